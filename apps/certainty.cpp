@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Geometry>
 #include <apps/certainty.hpp>
-#include <apps/picture/picture.hpp>
+#include <apps/position.hpp>
 #include <apps/report/json.hpp>
 #include <cmath>
 #include <mapjoin/geometry/upper_triangle.hpp>
@@ -14,12 +14,12 @@
 namespace mapjoin::apps {
 namespace {
 
-/// Of a position (m).
+/// The standard deviation of a position (m).
 template <int Dim, typename Covariance>
 double position_deviation(const Covariance& covariance) {
   return std::sqrt(covariance.template topLeftCorner<Dim, Dim>().trace());
 }
-/// Of a rotation (rad).
+/// The standard deviation of a rotation (rad).
 template <int Dim>
 double rotation_deviation(const PoseMatrix<Dim>& covariance) {
   return std::sqrt(covariance.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>().trace());
@@ -29,7 +29,7 @@ template <int Dim, typename Index, typename Covariance, typename Relation>
 Deviations::Median medians(const Table<Index, Covariance>& covariances, const Table<Index, Relation>& relations) {
   std::vector<double> in_map, relative;
   for (const Index k : indices(covariances)) {
-    if (covariances[k].isZero(0.0)) continue;  // held
+    if (covariances[k].isZero(0.0)) continue;  // anchored
     in_map.push_back(position_deviation<Dim>(covariances[k]));
     relative.push_back(position_deviation<Dim>(relations[k].covariance));
   }
@@ -49,21 +49,22 @@ Json head(const GlobalMap<Dim>& map, Estimate estimate) {
           {"feature_coordinates", step_names<Dim>(Dim)}};
 }
 
-/// One line per pose or feature, written as it comes: maps can be large. Of its covariance the upper triangle, row by row.
+/// Writes a line per pose or feature, one at a time, for maps can be large; with the upper triangle of its covariance, row by
+/// row.
 template <typename Index, typename Id, typename Value, typename Covariance>
 void write_list(const char* key, const Table<Index, Id>& ids, const Table<Index, Value>& values,
                 const Table<Index, Covariance>& covariances, OutputFile& file) {
   file.write(std::string(",\n\"") + key + "\": [");
   for (const Index k : indices(covariances)) {
     Json line = ids[k];
-    for (const double coordinate : *place_of(values[k])) line["position"].push_back(coordinate);
+    for (const double coordinate : *position_of(values[k])) line["position"].push_back(coordinate);
     each_of_upper_triangle(covariances[k], [&](double entry) { line["covariance"].push_back(entry); });
     file.write((k == 0 ? "\n" : ",\n") + line.dump());
   }
   file.write("\n]");
 }
 
-/// Of the World, nothing.
+/// Adds the session and key of the parent; empty for the World.
 template <int Dim>
 void put_parent(const GlobalMap<Dim>& map, PoseIndex parent, TextLine& line) {
   if (parent == kWorld) {
@@ -84,7 +85,7 @@ void put_pose(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& margina
   line.add(rotation_deviation<Dim>(relation.covariance)).add(rotation_deviation<Dim>(marginals.poses[pose]));
 }
 
-/// What features have not, session and rotation, is left empty.
+/// Adds the columns of a feature; session and rotation, which features lack, stay empty.
 template <int Dim>
 void put_feature(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, FeatureIndex feature, TextLine& line) {
   const FeatureRelation<Dim>& relation = marginals.relations.features[feature];

@@ -22,24 +22,7 @@ namespace mapjoin::apps {
 namespace fs = std::filesystem;
 namespace {
 
-/// Where a path leads, also where nothing is yet; empty where that cannot be told.
-fs::path destination(const fs::path& path) {
-  std::error_code ignored;
-  const fs::path place = fs::weakly_canonical(fs::absolute(link_target(path), ignored), ignored);
-  return place.has_filename() ? place : place.parent_path();
-}
-
-bool is_same(const fs::path& a, const fs::path& b) {
-  if (a.empty() || b.empty()) return false;
-  std::error_code ignored;
-  if (fs::exists(a, ignored) || fs::exists(b, ignored)) {
-    return fs::is_regular_file(a, ignored) && fs::equivalent(a, b, ignored);
-  }
-  const fs::path place = destination(a);
-  return !place.empty() && place == destination(b);
-}
-
-/// What is in a folder, in the order of the names; nothing where that cannot be read.
+/// The entries of a folder, sorted; empty if it cannot be read.
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code failure;
@@ -50,13 +33,13 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// Whether a command reads this of a folder that it is given: of a run, of local maps, or of UTIAS MRCLAM.
+/// True if a command reads this file of a folder that it is given: of a run, of local maps, or of UTIAS MRCLAM.
 bool is_read(const fs::path& file) {
-  const bool is_of_run = map_of_run(file.parent_path()) != file.parent_path() && is_file_of_run(file.filename());
+  const bool is_of_run = is_run_folder(file.parent_path()) && is_file_of_run(file.filename());
   return (is_of_run && file.filename() != "map.svg") || local_map_number(file.filename()) || file.extension() == ".dat";
 }
 
-/// The input or, where that is a folder, what is read there.
+/// The input or, if it is a folder, the files read there.
 NamedFiles files_of(const std::pair<std::string, fs::path>& input) {
   std::error_code ignored;
   if (!fs::is_directory(input.second, ignored)) return {input};
@@ -67,7 +50,7 @@ NamedFiles files_of(const std::pair<std::string, fs::path>& input) {
   return files;
 }
 
-/// Whether a path is this place, below it, or named after it, as the journal of a store is.
+/// True if a path is this place, below it, or named after it, as the journal of a store is.
 bool is_within(const fs::path& path, const fs::path& place) {
   const std::string there = destination(path).string();
   if (!there.starts_with(place.string())) return false;
@@ -75,7 +58,7 @@ bool is_within(const fs::path& path, const fs::path& place) {
   return rest.empty() || rest.front() == '/' || rest == "-journal";
 }
 
-/// The number that a name has behind its beginning and before its end; nothing of another name.
+/// The number in a name between its beginning and its end; nullopt for another name.
 std::optional<std::uint32_t> number_between(std::string_view name, std::string_view begin, std::string_view end) {
   if (!name.starts_with(begin) || !name.ends_with(end) || name.size() < begin.size() + end.size()) return std::nullopt;
   name.remove_prefix(begin.size());
@@ -83,22 +66,12 @@ std::optional<std::uint32_t> number_between(std::string_view name, std::string_v
   return number_in<std::uint32_t>(std::string(name));
 }
 
-/// Where the run writes: its folder or, of several `parts`, those of parts that are there.
-std::vector<fs::path> folders_of_run(const fs::path& folder, bool parts) {
-  if (!parts) return {destination(folder)};
-  std::vector<fs::path> folders;
-  for (const fs::path& part : entries_of(folder)) {
-    if (number_between(part.filename().native(), "part_", "")) folders.push_back(destination(part));
-  }
-  return folders;
-}
-
-/// Whether a run that writes in these folders may replace or remove a file, not what a link of that name leads to.
+/// True if a run may replace or remove a file in one of these folders, not the target of a link of that name.
 bool is_of_run(const fs::path& file, const std::vector<fs::path>& folders) {
   return is_file_of_run(file.filename()) && std::ranges::find(folders, destination(file.parent_path() / ".")) != folders.end();
 }
 
-/// There, and neither a file nor a folder.
+/// True if the path exists and is neither a file nor a folder.
 bool is_special(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored);
@@ -146,9 +119,14 @@ NamedFiles outputs_of_folder(const Options& options, const std::vector<std::stri
   return files;
 }
 
-std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs) {
+NamedFiles files_read(const NamedFiles& inputs) {
   NamedFiles read;
   for (const auto& input : inputs) append(read, files_of(input));
+  return read;
+}
+
+std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs) {
+  const NamedFiles read = files_read(inputs);
   NamedFiles all = inputs;
   append(all, outputs);
   std::vector<std::string> violations;
@@ -157,7 +135,7 @@ std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedF
     NamedFiles others = read;
     others.insert(others.end(), outputs.begin(), output);
     for (const auto& [other, path] : others) {
-      if (is_same(path, file)) violations.push_back(fmt::format("{} and {} are one file, {}", other, name, file.string()));
+      if (are_one_file(path, file)) violations.push_back(fmt::format("{} and {} are one file, {}", other, name, file.string()));
     }
     if (file.empty()) continue;
     const fs::path place = destination(file);
@@ -171,7 +149,7 @@ std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std
   const fs::path place = destination(unfinished);
   std::vector<std::string> violations;
   for (const auto& [name, path] : files) {
-    if (path.empty() || !(is_within(path, place) || is_same(path, unfinished))) continue;
+    if (path.empty() || !(is_within(path, place) || are_one_file(path, unfinished))) continue;
     violations.push_back(
         fmt::format("{} {} is what {} is until it is done: give it another name", name, path.string(), output));
   }
@@ -179,7 +157,8 @@ std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std
 }
 
 std::vector<std::string> conflicts_with_run(const NamedFiles& files, const fs::path& folder, bool parts) {
-  const std::vector<fs::path> folders = folders_of_run(folder, parts);
+  std::vector<fs::path> folders = parts ? folders_of_parts(folder) : std::vector{folder};
+  std::ranges::transform(folders, folders.begin(), destination);
   std::vector<std::string> violations;
   for (const auto& [name, file] : files) {
     if (file.empty() || !(is_of_run(file, folders) || is_of_run(link_target(file), folders))) continue;
@@ -231,15 +210,15 @@ std::string folder_of_part(std::size_t part) {
   return fmt::format("part_{}", part + 1);
 }
 
+std::vector<fs::path> folders_of_parts(const fs::path& folder) {
+  std::vector<fs::path> folders = entries_of(folder);
+  std::erase_if(folders, [](const fs::path& part) { return !number_between(part.filename().native(), "part_", ""); });
+  return folders;
+}
+
 bool is_file_of_run(const std::string& name) {
   return name == kReportOfRun || std::ranges::find(kFilesOfRun, name) != kFilesOfRun.end() || is_extra_of_run(name) ||
          number_between(name, "trajectory_", ".tum");
-}
-
-fs::path map_of_run(const fs::path& path) {
-  std::error_code ignored;
-  const fs::path map = path / kMapOfRun;
-  return fs::is_regular_file(map, ignored) ? map : path;
 }
 
 std::vector<fs::path> map_files(const fs::path& path) {

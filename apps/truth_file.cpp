@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <apps/exit_code.hpp>
 #include <apps/outputs.hpp>
 #include <apps/truth_file.hpp>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/io/run_folder.hpp>
 
 namespace mapjoin::apps {
 namespace {
 
-/// Of a pose in the plane, the turn about z.
+/// The pose in `Dim` dimensions; in the plane with its turn about z.
 template <int Dim>
 Pose<Dim> in_dimension(const Pose<3>& pose) {
   if constexpr (Dim == 3) {
@@ -24,7 +28,7 @@ Pose<Dim> in_dimension(const Pose<3>& pose) {
   }
 }
 
-/// The poses by their count among those that are `counted`.
+/// The poses by count: the times of the trajectory are indices into `counted`.
 template <int Dim>
 Table<PoseIndex, std::optional<Pose<Dim>>> by_count(const std::vector<StampedPose>& trajectory, const PoseIds& counted,
                                                     const PoseIds& poses) {
@@ -38,27 +42,42 @@ Table<PoseIndex, std::optional<Pose<Dim>>> by_count(const std::vector<StampedPos
   return by_name(ids, values, poses);
 }
 
-/// The poses by their time stamps: of each the line whose time is nearest, if near enough (s).
-template <int Dim>
-Table<PoseIndex, std::optional<Pose<Dim>>> by_time(const std::vector<StampedPose>& trajectory,
-                                                   const Table<PoseIndex, std::int64_t>& stamps_ns, double most_apart) {
-  Table<PoseIndex, std::optional<Pose<Dim>>> found(stamps_ns.size());
-  std::map<double, const StampedPose*> lines;
-  for (const StampedPose& line : trajectory) lines.emplace(line.time, &line);
-  for (const PoseIndex p : indices(found)) {
-    const double time = 1e-9 * static_cast<double>(stamps_ns[p]);
-    const auto apart = [&](const auto& line) { return std::abs(line.first - time); };
-    auto nearest = lines.lower_bound(time);
-    if (nearest == lines.end() || (nearest != lines.begin() && apart(*std::prev(nearest)) <= apart(*nearest))) {
-      if (nearest == lines.begin()) continue;
-      --nearest;
-    }
-    if (apart(*nearest) <= most_apart) found[p] = in_dimension<Dim>(nearest->second->pose);
-  }
-  return found;
+double in_seconds(std::int64_t stamp_ns) {
+  return 1e-9 * static_cast<double>(stamp_ns);
 }
 
-/// A trajectory of KITTI's, which counts its poses.
+using TimedLines = std::map<double, const StampedPose*>;
+
+/// The line of the nearest time; nullptr if none is near enough (s).
+const StampedPose* nearest_line(const TimedLines& lines, double time, double most_apart) {
+  const auto apart = [&](const auto& line) { return std::abs(line.first - time); };
+  auto nearest = lines.lower_bound(time);
+  if (nearest == lines.end() || (nearest != lines.begin() && apart(*std::prev(nearest)) <= apart(*nearest))) {
+    if (nearest == lines.begin()) return nullptr;
+    --nearest;
+  }
+  return apart(*nearest) <= most_apart ? nearest->second : nullptr;
+}
+
+/// The times of a session's first and last pose (s).
+struct TimeSpan {
+  double first = std::numeric_limits<double>::infinity();
+  double last = -first;
+
+  bool is_under_way(double time) const { return first + kSameTime < time && time < last - kSameTime; }
+};
+
+std::map<std::uint32_t, TimeSpan> spans_of(const PoseIds& poses, const Table<PoseIndex, std::int64_t>& stamps_ns) {
+  std::map<std::uint32_t, TimeSpan> spans;
+  for (const PoseIndex p : indices(stamps_ns)) {
+    TimeSpan& span = spans[poses[p].session];
+    span.first = std::min(span.first, in_seconds(stamps_ns[p]));
+    span.last = std::max(span.last, in_seconds(stamps_ns[p]));
+  }
+  return spans;
+}
+
+/// The trajectory of a KITTI log, with the counts of its poses as times.
 std::vector<StampedPose> counted(const AnyLog& log) {
   std::vector<StampedPose> trajectory;
   std::visit(
@@ -70,9 +89,46 @@ std::vector<StampedPose> counted(const AnyLog& log) {
   return trajectory;
 }
 
+/// The log; fails if it does not give the values of its poses.
+AnyLog with_values(AnyLog log, const std::string& path) {
+  const bool has_values = std::visit([](const auto& any) { return !any.initial.poses.empty(); }, log);
+  if (!has_values) fail(ErrorKind::kBadInput, path + ": as a truth it would have to give the values of its poses");
+  return log;
+}
+
+tl::unexpected<Error> both_under_way(std::uint32_t session, std::uint32_t other, double time) {
+  return tl::unexpected(
+      Error{ErrorKind::kUsage,
+            fmt::format("sessions {} and {} are both under way at {:.3f} s, and a trajectory does not say of which it is",
+                        session, other, time)});
+}
+
 }  // namespace
 
+template <int Dim>
+Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time(const std::vector<StampedPose>& trajectory, const PoseIds& poses,
+                                                             const Table<PoseIndex, std::int64_t>& stamps_ns,
+                                                             double most_apart) {
+  Table<PoseIndex, std::optional<Pose<Dim>>> found(stamps_ns.size());
+  const auto spans = spans_of(poses, stamps_ns);
+  TimedLines lines;
+  for (const StampedPose& line : trajectory) lines.emplace(line.time, &line);
+  for (const PoseIndex p : indices(found)) {
+    const StampedPose* const line = nearest_line(lines, in_seconds(stamps_ns[p]), most_apart);
+    if (!line) continue;
+    const auto other = std::ranges::find_if(
+        spans, [&](const auto& span) { return span.first != poses[p].session && span.second.is_under_way(line->time); });
+    if (other != spans.end()) return both_under_way(poses[p].session, other->first, line->time);
+    found[p] = in_dimension<Dim>(line->pose);
+  }
+  return found;
+}
+
 TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : path_(path.string()), most_apart_(most_apart) {
+  if (is_run_folder(path)) {
+    content_ = with_values(open_log(path).value(), path_);
+    return;
+  }
   const FileBytes bytes = FileBytes::read(path).value();
   const TextScanner text(path_, bytes.view());
   if (extension_of(path) == ".tum" || is_tum_line(text)) {
@@ -83,9 +139,7 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : pat
     content_ = counted(read_kitti_log(text, {}).value());
     return;
   }
-  const AnyLog& log = content_.emplace<AnyLog>(mapjoin::read_log(bytes.view(), path_, {}).value());
-  const bool has_values = std::visit([](const auto& any) { return !any.initial.poses.empty(); }, log);
-  if (!has_values) fail(ErrorKind::kBadInput, path_ + ": as a truth it would have to give the values of its poses");
+  content_ = with_values(mapjoin::read_log(bytes.view(), path_, {}).value(), path_);
 }
 
 void TruthFile::demand_counts() const {
@@ -93,8 +147,8 @@ void TruthFile::demand_counts() const {
   const auto is_count = [](const StampedPose& line) { return line.time == std::floor(line.time); };
   if (!trajectory || std::ranges::all_of(*trajectory, is_count)) return;
   fail(ErrorKind::kUsage, path_ +
-                              ": has times, and the poses of the map have none; --stamps gives a log's, and poses.csv in "
-                              "the folder of a run has them");
+                              ": has times, and the poses of the map have none; --stamps gives a log's, and the folder "
+                              "of a run has them");
 }
 
 void TruthFile::count_among(const PoseIds& poses) {
@@ -107,7 +161,13 @@ Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
     const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
-    if (!stamps_ns.empty()) return {by_time<Dim>(*trajectory, stamps_ns, most_apart_), no_features};
+    if (!stamps_ns.empty()) {
+      auto timed = by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_);
+      if (timed) return {std::move(*timed), no_features};
+      fail(timed.error().kind, fmt::format("{}: {}; a table like poses.csv does, by its column session, and `mapjoin error` "
+                                           "measures the trajectory_K.tum of one session",
+                                           path_, timed.error().message));
+    }
     demand_counts();
     return {by_count<Dim>(*trajectory, counted_.empty() ? poses : counted_, poses), no_features};
   }
@@ -132,7 +192,12 @@ std::vector<std::pair<PoseIndex, PoseIndex>> TruthFile::relations(const PoseIds&
   return pairs;
 }
 
-template Truth<2> TruthFile::of(const PoseIds&, const FeatureIds&, const Table<PoseIndex, std::int64_t>&) const;
-template Truth<3> TruthFile::of(const PoseIds&, const FeatureIds&, const Table<PoseIndex, std::int64_t>&) const;
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                              \
+  template Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time<Dim>(const std::vector<StampedPose>&, const PoseIds&, \
+                                                                             const Table<PoseIndex, std::int64_t>&, double);  \
+  template Truth<Dim> TruthFile::of(const PoseIds&, const FeatureIds&, const Table<PoseIndex, std::int64_t>&) const;
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin::apps

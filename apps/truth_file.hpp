@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/log.hpp>
@@ -16,7 +17,7 @@
 
 namespace mapjoin::apps {
 
-/// Of each name its value, where the two lists have it.
+/// The value of each of `names` that `ids` has, from `values`; nullopt for the others.
 template <typename Index, typename Id, typename Value>
 Table<Index, std::optional<Value>> by_name(const Table<Index, Id>& ids, const Table<Index, Value>& values,
                                            const Table<Index, Id>& names) {
@@ -28,25 +29,41 @@ Table<Index, std::optional<Value>> by_name(const Table<Index, Id>& ids, const Ta
   return found;
 }
 
-/// What is read and asked of it may fail() (see exit_code.hpp).
+/// Times of one instant differ by no more (s).
+inline constexpr double kSameTime = 1e-6;
+/// Times of one pose in the trajectories of two tools differ by no more, unless the user says otherwise (s).
+inline constexpr double kMatchingTimes = 0.01;
+
+/// The poses by time stamp: for each the line of the trajectory that is nearest in time, if it is at most `most_apart` (s)
+/// away. A line is where one robot was: kUsage, in a clause without the file, if another session is under way at its time.
+template <int Dim>
+Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time(const std::vector<StampedPose>& trajectory, const PoseIds& poses,
+                                                             const Table<PoseIndex, std::int64_t>& stamps_ns,
+                                                             double most_apart);
+
+/// The truth in a file. All of it may fail() (see exit_code.hpp).
 class TruthFile {
  public:
-  /// A trajectory of TUM's or KITTI's; or a log whose file gives values: g2o or TORO with vertices, the CSV table of a map.
-  /// Times may be so far apart (s).
-  explicit TruthFile(const std::filesystem::path& path, double most_apart = 1e-6);
+  /// Reads a trajectory of TUM's or KITTI's, or a log whose file gives values: g2o or TORO with vertices, the CSV table of a
+  /// map, the folder of a run. Times match if they are at most `most_apart` (s) apart.
+  explicit TruthFile(const std::filesystem::path& path, double most_apart = kSameTime);
 
-  /// Poses without time stamps are from now on counted among these, those of a whole log, though it be for the map of a part.
-  /// kUsage of a trajectory that has times with fractions of seconds.
+  /// Counts poses without time stamps among these, those of a whole log, from now on, even for the map of a part. kUsage if a
+  /// trajectory has times with fractions of seconds.
   void count_among(const PoseIds& poses);
-  /// What it has of a map, or of a log, with these names: by name; the poses of a trajectory by their time stamps or, where
-  /// there are none, by their count. kUsage where the dimensions differ, and as of count_among().
+  /// The truth of a map or of a log with these names: by name or, for the poses of a trajectory, by time stamp or, if there are
+  /// none, by count. kUsage if the dimensions differ, and as for by_time() and count_among().
   template <int Dim>
   Truth<Dim> of(const PoseIds& poses, const FeatureIds& features, const Table<PoseIndex, std::int64_t>& stamps_ns) const;
   template <int Dim>
   Truth<Dim> of(const GlobalMap<Dim>& map) const {
     return of<Dim>(map.pose_ids, map.feature_ids, map.stamps_ns);
   }
-  /// The pairs of these poses that its edges tie.
+  template <int Dim>
+  Truth<Dim> of(const Log<Dim>& log) const {
+    return of<Dim>(log.poses, log.features, log.stamps_ns);
+  }
+  /// The pairs of these poses that edges of the truth tie.
   std::vector<std::pair<PoseIndex, PoseIndex>> relations(const PoseIds& poses) const;
 
  private:
@@ -55,7 +72,7 @@ class TruthFile {
   std::string path_;
   double most_apart_;
   std::variant<AnyLog, std::vector<StampedPose>> content_;
-  PoseIds counted_;  ///< By count_among().
+  PoseIds counted_;  ///< Set by count_among().
 };
 
 }  // namespace mapjoin::apps

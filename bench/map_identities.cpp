@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/effort.hpp>
@@ -15,7 +14,7 @@
 namespace mapjoin::bench {
 namespace {
 
-/// Counts what was rejected of the features that can be told right or wrong.
+/// Counts the features that can be told right or wrong, and those of them that were rejected.
 template <int Dim>
 OutlierScore counted(const SubmapSet<Dim>& clean, const PlantedSet<Dim>& planted, const SubmapSet<Dim>& kept) {
   Table<FeatureIndex, int> right(clean.features.size());  // maps that have the feature rightly
@@ -46,15 +45,8 @@ OutlierScore counted(const SubmapSet<Dim>& clean, const PlantedSet<Dim>& planted
 
 template <int Dim>
 void compare(const RunResult<Dim>& clean, const RunResult<Dim>& robust, OutlierScore& score) {
-  double sum = 0.0;
-  for (const PoseIndex p : indices(clean.map.poses)) {
-    sum += (clean.map.poses[p].translation - robust.map.poses[p].translation).squaredNorm();
-  }
-  score.rms = std::sqrt(sum / static_cast<double>(clean.map.poses.size()));
-  for (const FeatureIndex f : indices(clean.map.features)) {
-    const Point<Dim> d = clean.map.features[f] - robust.map.features[f];
-    score.features_off += d.dot(clean.marginals->features[f].ldlt().solve(d)) > kOffFrom ? 1 : 0;
-  }
+  score.rms = rms_between<Dim>(clean.map.poses, robust.map.poses);
+  score.features_off = count_features_off<Dim>(clean.map.features, clean.marginals->features, robust.map.features);
 }
 
 }  // namespace

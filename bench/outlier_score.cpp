@@ -14,6 +14,7 @@ namespace mapjoin::bench {
 namespace {
 
 constexpr double kWrongFrom = 10.0 * 10.0;  // squared Mahalanobis distance
+constexpr double kOffFrom = 3.0 * 3.0;      // squared Mahalanobis distance of a feature from its place in the clean map
 
 template <int Dim>
 Pose<Dim> seen_from(const Pose<Dim>& base, const Pose<Dim>& target) {
@@ -24,7 +25,7 @@ Point<Dim> seen_from(const Pose<Dim>& base, const Point<Dim>& target) {
   return transform_into(base, target);
 }
 
-/// rᵀ (C + W⁻¹)⁻¹ r, where W may be singular.
+/// rᵀ (C + W⁻¹)⁻¹ r; W may be singular.
 template <int Dof>
 double squared_distance(const Vector<Dof>& r, const Matrix<Dof>& C, const Matrix<Dof>& W) {
   const Matrix<Dof> scaled = Matrix<Dof>::Identity() + W * C;
@@ -32,7 +33,7 @@ double squared_distance(const Vector<Dof>& r, const Matrix<Dof>& C, const Matrix
   return r.dot(Vector<Dof>(scaled.partialPivLu().solve(weighted)));
 }
 
-/// A target of the clean map, and what is known of it.
+/// The targets in the clean map: values and covariances.
 template <int Dim>
 struct TargetOf {
   const CleanMap<Dim>& clean;
@@ -48,8 +49,9 @@ struct TargetOf {
   }
 };
 
-/// Without the covariance of the prediction the distance is larger; with twice the sum of what both ends contribute, which the
-/// covariance never exceeds however they are correlated, it is smaller. Few measurements need the exact one.
+/// True if a measurement is far from its prediction by the clean map. Without the covariance of the prediction the distance is
+/// larger; with twice the sum of the contributions of both ends, which the covariance never exceeds however they are
+/// correlated, it is smaller. Few measurements need the exact one.
 template <int Dim, typename Factor>
 bool is_far(const CleanMap<Dim>& clean, const Factor& factor) {
   const TargetOf<Dim> targets{clean};
@@ -65,7 +67,7 @@ bool is_far(const CleanMap<Dim>& clean, const Factor& factor) {
   return squared_distance(r, targets.relative(factor.base, factor.target), factor.information) > kWrongFrom;
 }
 
-/// Adds for each of `all` whether it is among `some`, which are in the same order.
+/// Appends true for each of `all` that is among `some`, otherwise false; both are in the same order.
 template <typename Factor>
 void add_membership(std::span<const Factor> all, std::span<const Factor> some, std::vector<bool>& is_in) {
   auto next = some.begin();
@@ -77,14 +79,7 @@ void add_membership(std::span<const Factor> all, std::span<const Factor> some, s
   }
 }
 
-template <int Dim>
-double rms_between(const Table<PoseIndex, Pose<Dim>>& a, const Table<PoseIndex, Pose<Dim>>& b) {
-  double sum = 0.0;
-  for (const PoseIndex p : indices(a)) sum += (a[p].translation - b[p].translation).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(a.size()));
-}
-
-/// Of run() without a verdict: the median of three, since the first is slower.
+/// CPU time of run() without a verdict: the median of three, since the first is slower.
 template <int Dim>
 Expected<double> clean_cpu_seconds(const Log<Dim>& log) {
   std::array<double, 3> seconds{};
@@ -97,17 +92,26 @@ Expected<double> clean_cpu_seconds(const Log<Dim>& log) {
   return seconds[1];
 }
 
+}  // namespace
+
 template <int Dim>
-std::size_t features_off(const CleanMap<Dim>& clean, const Values<Dim>& values) {
+double rms_between(const Table<PoseIndex, Pose<Dim>>& a, const Table<PoseIndex, Pose<Dim>>& b) {
+  double sum = 0.0;
+  for (const PoseIndex p : indices(a)) sum += (a[p].translation - b[p].translation).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+template <int Dim>
+std::size_t count_features_off(const Table<FeatureIndex, Point<Dim>>& clean,
+                               const Table<FeatureIndex, PointMatrix<Dim>>& covariances,
+                               const Table<FeatureIndex, Point<Dim>>& features) {
   std::size_t off = 0;
-  for (const FeatureIndex f : indices(values.features)) {
-    const Point<Dim> d = values.features[f] - clean.values.features[f];
-    off += d.dot(clean.marginals.features[f].ldlt().solve(d)) > kOffFrom ? 1 : 0;
+  for (const FeatureIndex f : indices(clean)) {
+    const Point<Dim> d = features[f] - clean[f];
+    off += d.dot(covariances[f].ldlt().solve(d)) > kOffFrom ? 1 : 0;
   }
   return off;
 }
-
-}  // namespace
 
 template <int Dim>
 Expected<CleanMap<Dim>> make_clean_map(const Log<Dim>& log) {
@@ -185,13 +189,17 @@ OutlierScore score(const CleanMap<Dim>& clean, const Spoilt<Dim>& spoilt, const 
         break;
     }
   }
-  score.rms = rms_between(clean.values.poses, robust.values.poses);
+  score.rms = rms_between<Dim>(clean.values.poses, robust.values.poses);
   score.chi2_ratio = log_chi2(clean.log, robust.values).total() / clean.chi2;
-  score.features_off = features_off(clean, robust.values);
+  score.features_off = count_features_off<Dim>(clean.values.features, clean.marginals.features, robust.values.features);
   return score;
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                             \
+  template double rms_between<Dim>(const Table<PoseIndex, Pose<Dim>>&, const Table<PoseIndex, Pose<Dim>>&);  \
+  template std::size_t count_features_off<Dim>(const Table<FeatureIndex, Point<Dim>>&,                       \
+                                               const Table<FeatureIndex, PointMatrix<Dim>>&,                 \
+                                               const Table<FeatureIndex, Point<Dim>>&);                      \
   template Expected<CleanMap<Dim>> make_clean_map(const Log<Dim>&);                                          \
   template Spoilt<Dim> with_wrong_closures(const CleanMap<Dim>&, ClosurePolicy, std::size_t, std::uint64_t); \
   template Spoilt<Dim> with_wrong_identities(const CleanMap<Dim>&, double, std::uint64_t);                   \

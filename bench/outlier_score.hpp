@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How well wrong measurements that were planted into a log were told from its own, and what the map is worth that was made of
-// the others.
+// Scores of outlier rejection: how well wrong measurements planted into a log were told from its own, and the quality of the
+// map made of the others.
 
 #include <cstddef>
 #include <mapjoin/join/run.hpp>
@@ -11,50 +11,47 @@
 
 namespace mapjoin::bench {
 
-/// A feature is off that is this far from where the clean map has it (squared Mahalanobis distance).
-inline constexpr double kOffFrom = 3.0 * 3.0;
-
-/// The map of a log without planted measurements, by which these are judged.
+/// The map of a log without planted measurements, by which planted ones are judged.
 template <int Dim>
 struct CleanMap {
   Log<Dim> log;
   Values<Dim> values;
   double chi2 = 0.0;
-  double cpu_seconds = 0.0;  ///< Of run() without a verdict.
+  double cpu_seconds = 0.0;  ///< CPU time of run() without a verdict.
   MarginalCovariances<Dim> marginals;
   std::shared_ptr<const MapCovariances<Dim>> covariances;
 };
 
-/// Errors are those of run().
+/// Makes the clean map of a log. Errors are those of run().
 template <int Dim>
 Expected<CleanMap<Dim>> make_clean_map(const Log<Dim>& log);
 
-/// What a planted or own measurement counts as.
+/// The class of a measurement, planted or the log's own.
 enum class Truth : std::uint8_t {
   kRight,
   kWrong,
-  kUndecided,  ///< Planted, but not to be told from right ones: near its prediction, or of features that are hardly seen.
+  kUndecided,  ///< Planted, but hard to tell from right ones: near its prediction, or of hardly seen features.
 };
 
-/// For each closure of a log and then for each observation.
+/// A log with planted measurements, with the truth for each closure and then for each observation.
 template <int Dim>
 struct Spoilt {
   Log<Dim> log;
   std::vector<Truth> truth;
 };
 
-/// Planted measurements are wrong where they are more than 10 standard deviations from what the clean map predicts
-/// (Mahalanobis, by the covariances of both); of observations only those whose true and given names have two other sightings
-/// each that are right.
+/// The log with planted closures or identities. A planted measurement is wrong if it is more than 10 standard deviations from
+/// the prediction by the clean map (Mahalanobis, by the covariances of both) and, for an observation, if its true and its given
+/// name have two other right sightings each; otherwise it is undecided.
 template <int Dim>
 Spoilt<Dim> with_wrong_closures(const CleanMap<Dim>& clean, ClosurePolicy policy, std::size_t count, std::uint64_t seed);
 template <int Dim>
 Spoilt<Dim> with_wrong_identities(const CleanMap<Dim>& clean, double share, std::uint64_t seed);
 
-/// What a method makes of a spoilt log.
+/// The map that a method makes of a spoilt log.
 template <int Dim>
 struct RobustMap {
-  Log<Dim> kept;  ///< The log without what was rejected.
+  Log<Dim> kept;  ///< The log without rejected measurements.
   Values<Dim> values;
   double cpu_seconds = 0.0;
 };
@@ -66,13 +63,23 @@ struct OutlierScore {
   std::size_t wrong_rejected = 0;
   std::size_t undecided = 0;
   std::size_t undecided_rejected = 0;
-  double rms = 0.0;              ///< Of the distances of poses from the clean map (m).
+  double rms = 0.0;              ///< RMS distance of poses from the clean map (m).
   double chi2_ratio = 0.0;       ///< chi2 of the log's own measurements over its least one.
-  std::size_t features_off = 0;  ///< More than 3 standard deviations from the clean map.
+  std::size_t features_off = 0;  ///< Features more than 3 standard deviations from the clean map.
 
   double precision() const;
   double recall() const;
 };
+
+/// The RMS distance of the poses of two maps of the same log (m).
+template <int Dim>
+double rms_between(const Table<PoseIndex, Pose<Dim>>& a, const Table<PoseIndex, Pose<Dim>>& b);
+
+/// The number of features more than 3 standard deviations from the clean map, by the covariances of that.
+template <int Dim>
+std::size_t count_features_off(const Table<FeatureIndex, Point<Dim>>& clean,
+                               const Table<FeatureIndex, PointMatrix<Dim>>& covariances,
+                               const Table<FeatureIndex, Point<Dim>>& features);
 
 template <int Dim>
 OutlierScore score(const CleanMap<Dim>& clean, const Spoilt<Dim>& spoilt, const RobustMap<Dim>& robust);

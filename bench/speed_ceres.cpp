@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // mapjoin_ceres: full SLAM of a log by Ceres from dead reckoning, as fast as it goes: analytic Jacobians, stopped at the first
-// chi2 that is as good as the optimum. What it reached goes to standard output, as JSON.
+// chi2 that is as good as the optimum. The result goes to standard output, as JSON.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -13,12 +13,10 @@
 #include <tests/support/starts.hpp>
 
 #include "ceres_slam.hpp"
+#include "speed_programs.hpp"
 
 namespace mapjoin {
 namespace {
-
-/// The optimum is reached where chi2 is above it by no more than this share.
-constexpr double kAsGood = 1e-6;
 
 struct Arguments {
   std::filesystem::path log;
@@ -29,7 +27,7 @@ struct Arguments {
 template <int Dim>
 void solve(const Log<Dim>& log, const Arguments& arguments) {
   bench::CeresOptions options = arguments.ceres;
-  options.enough_chi2 = arguments.optimum * (1.0 + kAsGood);
+  options.enough_chi2 = arguments.optimum * (1.0 + bench::kAsGood);
   const auto result = bench::solve_by_ceres(log, testing::odometry_start(log), options);
   const nlohmann::json json = {{"chi2", log_chi2(log, result.values).total()}, {"iterations", result.iterations}};
   fmt::print("{}\n", json.dump());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// mapjoin_tables: what each schedule reaches, what the length of local maps changes, and how Gauss-Newton goes in either state,
-// as Markdown tables.
+// mapjoin_tables: the results of each schedule, the effect of the length of local maps, and the course of Gauss-Newton in
+// either state, as Markdown tables.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -137,7 +137,7 @@ Expected<MinimiseResult> all_at_once(const SubmapSet<Dim>& set, const RunOptions
   return run(set, options).map([](const auto& result) { return result.join; });
 }
 
-/// chi2 from the composed start on: that of the start, then after each iteration of Gauss-Newton.
+/// chi2 at the composed start, then after each iteration of Gauss-Newton.
 std::string course_of(const Expected<MinimiseResult>& result) {
   if (!result) return result.error().message;
   std::string course = fmt::format("{:.6g}", result->start_chi2);
@@ -174,7 +174,7 @@ int main(int argc, char** argv) {
   mapjoin::Arguments arguments;
   CLI::App app("Tables of results, in Markdown");
   app.require_subcommand(1);
-  auto* schedules = app.add_subcommand("schedules", "What tree, sequential and batch reach on each log or set of local maps");
+  auto* schedules = app.add_subcommand("schedules", "What each schedule reaches on each log or set of local maps");
   auto* splits = app.add_subcommand("splits", "What the number of poses per local map changes");
   auto* courses = app.add_subcommand("courses", "chi2 after each Gauss-Newton step from the composed start, in either state");
   for (auto* command : {schedules, splits, courses}) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <mapjoin/join/assess.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <utility>
@@ -10,7 +11,7 @@ bool wants_covariances(const RunOptions& options) {
   return options.covariances || options.marginals;
 }
 
-/// The verdict, and what takes the covariances of everything: bad input where these are not finite.
+/// Computes the verdict, marginals and covariances into `result`; bad input if the covariances are not finite.
 template <int Dim>
 Expected<void> assess(Restored<Dim>& restored, std::span<const PoseFactor<Dim>> odometry, const RunOptions& options,
                       const std::stop_token& stop, RunResult<Dim>& result) {
@@ -39,6 +40,14 @@ Expected<void> assess(Restored<Dim>& restored, std::span<const PoseFactor<Dim>> 
 
 }  // namespace
 
+template <int Dim>
+Expected<void> check_finite(const RunResult<Dim>& result, const std::string& source) {
+  if (is_valid(result.map) && std::isfinite(result.chi2)) return {};
+  return bad_input_of(source,
+                      "its numbers are too large: the map is not finite, or its chi2; what is unknown is left out, and what is "
+                      "exact weighs 1e4 times the others, say");
+}
+
 bool wants_assessment(const RunOptions& options) {
   return options.verdict || wants_covariances(options);
 }
@@ -63,6 +72,7 @@ Expected<RunResult<Dim>> assessed(Found<Dim> found, std::span<const PoseFactor<D
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                              \
+  template Expected<void> check_finite(const RunResult<Dim>&, const std::string&);                            \
   template Expected<RunResult<Dim>> assessed(Found<Dim>, std::span<const PoseFactor<Dim>>, const RunOptions&, \
                                              const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/assess.hpp>
 #include <mapjoin/join/run.hpp>
@@ -19,7 +17,7 @@
 namespace mapjoin {
 namespace {
 
-/// What is wrong with the data is said of the file they came from.
+/// The error, with the source of the data named if they are bad input.
 Error of_source(const std::string& source, Error error) {
   if (error.kind == ErrorKind::kBadInput) error.message = source + ": " + error.message;
   return error;
@@ -49,7 +47,7 @@ void count_maps(const std::vector<LocalMap<Dim>>& maps, RunFigures& figures) {
   for (const auto& map : maps) figures.joint_bytes += static_cast<std::int64_t>(sizeof(double)) * map.information.size();
 }
 
-/// What a join says of itself.
+/// Copies the figures of a join.
 template <int Dim>
 void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.join = join.result;
@@ -75,7 +73,7 @@ Expected<Join<Dim>> join_maps(const Source<Dim>& source, const SubmapGraph<Dim>&
   return joined;
 }
 
-/// Puts what the local maps had eliminated into `state`.
+/// Recovers the variables that the local maps eliminated, into `state`.
 template <int Dim>
 void recover(const Log<Dim>& log, const Split& split, const SubmapGraph<Dim>& graph, const RunOptions& options,
              const std::stop_token& stop, Values<Dim>& state, RunResult<Dim>& result) {
@@ -86,7 +84,7 @@ void recover(const Log<Dim>& log, const Split& split, const SubmapGraph<Dim>& gr
   if (options.keep_recovered) result.recovered = state;
 }
 
-/// Minimises the chi2 of every observation of the log from the recovered estimate, `state`, which takes the result.
+/// Minimises chi2 over every observation of the log, from the recovered estimate `state`, which takes the result.
 template <int Dim>
 void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& options, const std::stop_token& stop,
             Values<Dim>& state, RunResult<Dim>& result) {
@@ -98,19 +96,7 @@ void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& opti
   result.chi2 = log_chi2(log, state).total();
 }
 
-/// Bad input where the numbers of a log or set, or what is computed from them, are beyond all numbers.
-template <int Dim>
-Expected<Found<Dim>> if_finite(Found<Dim> found, const std::string& source) {
-  const GlobalMap<Dim>& map = found.result.map;
-  const auto is_finite = [](const auto& value) { return is_valid(value); };
-  const bool is_map_finite = std::ranges::all_of(map.poses, is_finite) && std::ranges::all_of(map.features, is_finite);
-  if (is_map_finite && std::isfinite(found.result.chi2)) return found;
-  return bad_input_of(source,
-                      "its numbers are too large: the map is not finite, or its chi2; what is unknown is left out, and what is "
-                      "exact weighs 1e4 times the others, say");
-}
-
-/// Joins local maps, recovers what they eliminated, and refines the whole.
+/// Joins local maps, recovers the variables that they eliminated, and refines the whole.
 template <int Dim>
 Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                      const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {}) {
@@ -127,7 +113,7 @@ Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, st
   recover(log, split, graph, options, stop, state, result);
 
   std::optional<Restored<Dim>> restored_join;
-  const bool is_refined = options.polish && result.local_maps > 0;  // else the join was of the whole log
+  const bool is_refined = options.polish && result.local_maps > 0;  // otherwise the join was of the whole log
   if (is_refined || wants_assessment(options)) {
     const Stopwatch watch(is_refined ? result.seconds.polish : result.seconds.covariances);
     restored_join.emplace(restored(graph, segments_of(log, split), *joined, state, options.solver.engine));
@@ -137,7 +123,7 @@ Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, st
   if (stop.stop_requested()) return interrupted("polishing");
   fill_map(log, std::move(state), joined->anchored, result);
   result.map.stamps_ns = log.stamps_ns;
-  return if_finite(Found<Dim>{std::move(result), std::move(restored_join)}, log.source);
+  return check_finite(result, log.source).map([&] { return Found<Dim>{std::move(result), std::move(restored_join)}; });
 }
 
 template <int Dim>
@@ -156,7 +142,7 @@ Expected<Found<Dim>> run_once(const Log<Dim>& log, const RunOptions& options, co
   return join_and_refine(log, parts, std::move(built.maps), options, stop, std::move(result));
 }
 
-/// Joins the maps of a set, which are taken out of it.
+/// Joins the maps of a set, which are moved out of it.
 template <int Dim>
 Expected<Found<Dim>> join_set(SubmapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
   RunResult<Dim> result;
@@ -169,11 +155,11 @@ Expected<Found<Dim>> join_set(SubmapSet<Dim>& set, const RunOptions& options, co
   std::optional<Restored<Dim>> restored_join;
   if (wants_assessment(options)) restored_join.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));
   fill_map(set, std::move(joined->state), joined->anchored, result);
-  return if_finite(Found<Dim>{std::move(result), std::move(restored_join)}, set.source);
+  return check_finite(result, set.source).map([&] { return Found<Dim>{std::move(result), std::move(restored_join)}; });
 }
 
-/// Whether a log that was left to be cut as is cheapest is joined without local maps, too: where their Gaussians proved crude,
-/// for they were made far from the optimum, and the join was not settled. It takes polishing to tell.
+/// True if a log should be joined without local maps, too: split and schedule were left automatic, the join was not settled,
+/// and polishing has shown that the Gaussians of the maps are crude, being made far from the optimum.
 bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
   return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
          !figures.is_settled && figures.recovered_chi2 > (1.0 + kCrudeMaps) * figures.chi2;
@@ -193,7 +179,7 @@ Expected<Found<Dim>> run_best(const Log<Dim>& log, const RunOptions& options, co
   return best;
 }
 
-/// Bad input where a start from values is asked for, and there is none of some pose or feature.
+/// Bad input if the start is kFile and some pose or feature has no initial value.
 template <int Dim>
 Expected<void> check_start(const Log<Dim>& log, Start start) {
   const bool has_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();

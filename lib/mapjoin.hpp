@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The door to the library: logs from files or from memory, local maps, their join, at once or one by one, and covariances.
+// The main header of the library: logs from files or memory, local maps, their join, all at once or one by one, and
+// covariances.
 
 // Poses, names, measurements, maps, and errors as values.
 #include <mapjoin/geometry/pose.hpp>
@@ -12,33 +13,35 @@
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/model/submap_set.hpp>
 
-// Files: open_log(), open_maps(); logs, maps and stores written.
+// Files: open_log() and open_maps(); writers of logs, maps and stores.
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/io/store/store.hpp>
 
-// From a log to a map: run(), solve(); split() and build_local_maps() for its first half alone.
+// Joining a log: run() and solve(); split() and build_local_maps() for the local maps alone.
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/split.hpp>
 
-// Map by map, and how certain a map is.
+// Incremental joining, map by map, and covariances of the joined map.
 #include <mapjoin/join/covariances/map_covariances.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/incremental/submap_update_maker.hpp>
 
-// Which features are the same, where they have no names, or none that are trusted.
+// Data association: which features are the same if they have no names, or none that are trusted.
 #include <mapjoin/join/association/associate.hpp>
 
-// Fixes of a satellite receiver that hold the map, and which of them are wrong.
+// Checks of logs and sets of local maps, outlier rejection, at once or map by map, and errors against the truth.
+#include <mapjoin/check/checks.hpp>
+#include <mapjoin/join/incremental/robust_incremental_join.hpp>
+#include <mapjoin/join/robust/inliers.hpp>
+#include <mapjoin/measure/trajectory_error.hpp>
+
+// GPS fixes as priors of the map, and the outliers among them.
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/io/formats/gps_csv.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
-
-// What could be wrong with a log, and how far a map is from the truth.
-#include <mapjoin/check/checks.hpp>
-#include <mapjoin/measure/trajectory_error.hpp>
 
 #include <mapjoin/version.hpp>

@@ -38,6 +38,7 @@ template <int Dim>
 Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
                                           const std::stop_token& stop) {
   demand_valid(options.solver);
+  if (const auto checked = check_split(log, split); !checked) return tl::unexpected(checked.error());
   const auto to_do = static_cast<std::size_t>(
       std::count_if(split.segments.begin(), split.segments.end(), [](const Segment& s) { return s.is_map; }));
   std::vector<BuiltMap<Dim>> built(split.segments.size());

@@ -21,35 +21,39 @@ struct BuildOptions {
   std::function<void(std::size_t, std::size_t)> progress;
 };
 
-/// A local map and how it was found.
+/// A local map and the effort of finding it.
 template <int Dim>
 struct BuiltMap {
-  /// Nothing where the segment's own observations do not determine all its poses and features, or its chi2 is not finite: it
-  /// then stays raw.
+  /// nullopt if the segment's own observations do not determine all its poses and features, or its solve makes no progress
+  /// (chi2 is not finite, say): the segment then stays raw.
   std::optional<LocalMap<Dim>> map;
   int iterations = 0;
 };
 
-/// The local map of one segment (paper's VI.A), from odometry and first observations.
+/// The local map of one segment (paper's VI.A), solved from a start by odometry and first observations.
 template <int Dim>
 BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOptions& solver);
 
 template <int Dim>
 struct LocalMaps {
   std::vector<LocalMap<Dim>> maps;  ///< One per segment that is a map, in their order.
-  std::int64_t iterations = 0;      ///< Of all maps together.
+  std::int64_t iterations = 0;      ///< Sum over all maps.
 };
 
 /// The local maps of a log; segments whose observations leave something free to move are turned into raw ones in `split`. In
-/// parallel, with the same result for any number of threads. kInterrupted where `stop` was requested. A solver whose options do
-/// not validate is std::invalid_argument.
+/// parallel, with the same result for any number of threads. kInterrupted on stop. Throws std::invalid_argument if the options
+/// of the solver do not validate; bad input if check_split() finds a fault.
 template <int Dim>
 Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
                                           const std::stop_token& stop = {});
 
-/// Bad input unless the segments cover every session from its first pose to its last, each beginning where the one before
-/// ends, and the maps are one per segment that is a map, in order, over the poses and features of its segment. `split` as
-/// split_along made it.
+/// Checks that local maps are those of a split. kBadInput if check_split() finds a fault, and unless the maps are one per
+/// segment that is a map, in order, over the poses and features of that segment.
+template <int Dim>
+Expected<void> check_maps_of_split(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps);
+
+/// Checks the local maps of a whole log. kBadInput if check_maps_of_split() finds a fault, and unless the segments end with the
+/// last pose and the numbers of the maps are valid.
 template <int Dim>
 Expected<void> check_local_maps(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps);
 

@@ -27,7 +27,7 @@ class Growth {
   }
 
  private:
-  /// What the step from `pose` adds to the segment that begins at `begin`, as the rule counts.
+  /// The amount, as the rule counts, that the step from `pose` adds to the segment that begins at `begin`.
   double added_by_step(PoseIndex pose, PoseIndex begin) {
     switch (options_.rule) {
       case SplitRule::kDistance:
@@ -58,16 +58,16 @@ Table<PoseIndex, bool> referenced_poses(const Log<Dim>& log) {
   return kept;
 }
 
-/// The ends of a map stay, and every pose of a raw segment.
+/// Keeps the ends of a map, and every pose of a raw segment.
 void keep(const Segment& segment, Table<PoseIndex, bool>& kept) {
   kept[segment.begin] = kept[segment.end] = true;
   for (PoseIndex pose = segment.begin + 1; !segment.is_map && pose < segment.end; ++pose) kept[pose] = true;
 }
 
-/// More variables than this do not fit into one dense matrix with ease: 200 MB, several copies, and a map for every thread.
+/// The most variables that fit into one dense matrix with ease: 200 MB, several copies, and a map for every thread.
 constexpr std::int64_t kMostBorder = 5000;
 
-/// A map pays when it eliminates at least half of its inner poses, unless its border is too large.
+/// True if a map pays: it eliminates at least half of its inner poses, and its border is not too large.
 template <int Dim>
 bool map_pays(const Log<Dim>& log, const Segment& segment, const Table<PoseIndex, bool>& kept, SeenFeatures& seen) {
   const int inner = segment.end - segment.begin - 1;
@@ -136,8 +136,14 @@ std::vector<Segment> segments_of(const Share& share, const Split& split) {
 
 template <int Dim>
 Split split_along(const Log<Dim>& log, std::vector<Segment> segments) {
+  const auto poses = indices(log.poses);
   Split result{std::move(segments), referenced_poses(log), 0};
-  for (const Segment& segment : result.segments) keep(segment, result.kept);
+  for (const Segment& segment : result.segments) {
+    if (!poses.contains(segment.begin) || !poses.contains(segment.end)) {
+      throw std::invalid_argument("a segment has poses that are not in the log");
+    }
+    keep(segment, result.kept);
+  }
   return result;
 }
 

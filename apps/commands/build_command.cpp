@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin build`: from a log to a store of local maps, which a build that was interrupted goes on with; or from the files of
-// local maps to a store.
+// `mapjoin build`: from a log to a store of local maps, going on with an interrupted build; or from the files of local maps to
+// a store.
 
 #include <fmt/format.h>
 
@@ -38,13 +38,14 @@ void store_any(CommandRun& command_run, const Log<Dim>& log) {
   SplitOptions cut = command_run.run_options().split;
   if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
   const Split parts = split(log, cut);
-  auto store = StoreWriter<Dim>::open(command_run.options().output, log, segments_of(command_run.options().share, parts),
-                                      build_settings(command_run.run_options().solver))
+  const Share& share = command_run.options().share;
+  auto store = StoreWriter<Dim>::open(command_run.options().output, log, segments_of(share, parts),
+                                      build_settings(command_run.run_options().solver), {}, share)
                    .value();
   command_run.run_report.was_damaged = store.found_damaged();
   build_all(command_run, log, parts, store);
 }
-/// What others built is kept as it is.
+/// Stores local maps that others built as they are.
 template <int Dim>
 void store_any(CommandRun& command_run, const SubmapSet<Dim>& set) {
   demand(timed(command_run.run_report.write_seconds, [&] { return write_store(set, command_run.options().output); }));

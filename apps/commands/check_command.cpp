@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin check`: what could be wrong with a log or with local maps, before they are joined.
+// `mapjoin check`: possible faults of a log or of local maps, before they are joined.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,7 +24,7 @@
 namespace mapjoin::apps {
 namespace {
 
-/// At which map residuals are weighed.
+/// The map at which residuals are weighed.
 enum class CheckedEstimate : std::uint8_t { kJoined, kFile, kNone };
 constexpr auto enum_names(CheckedEstimate) {
   return std::to_array<EnumName<CheckedEstimate>>(
@@ -34,11 +34,11 @@ constexpr auto enum_names(CheckedEstimate) {
 struct Checked {
   CheckedEstimate estimate = CheckedEstimate::kJoined;
   Findings findings;
-  std::vector<KindFit> fits;  ///< Empty where residuals were not weighed.
-  std::int64_t dof = 0;       ///< Of all of them together.
+  std::vector<KindFit> fits;  ///< Empty if residuals were not weighed.
+  std::int64_t dof = 0;       ///< Degrees of freedom of all fits together.
 
   void add(Findings more) { std::ranges::move(more, std::back_inserter(findings)); }
-  /// How many findings are of this level or a graver one.
+  /// The number of findings of this level or a graver one.
   std::int64_t count(FindingLevel least) const {
     return std::count_if(findings.begin(), findings.end(), [&](const Finding& finding) { return finding.level >= least; });
   }
@@ -46,10 +46,10 @@ struct Checked {
 
 struct CheckOptions : Options {
   CheckedEstimate estimate = CheckedEstimate::kJoined;
-  std::optional<std::size_t> most;  ///< Places to be named of a finding.
+  std::optional<std::size_t> most;  ///< Number of places to be named of a finding.
 };
 
-/// "all" or a number.
+/// Takes "all" or a number for --most; returns a violation otherwise.
 std::optional<std::string> take_most(const std::string& word, CheckOptions& options) {
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
   options.most = word == "all" ? kAll : number_in<std::size_t>(word);
@@ -68,7 +68,7 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const Log<Dim>& log) 
   return fits_of(log, Values<Dim>{result.map.poses, result.map.features});
 }
 
-/// Of each map as one observation.
+/// The fit of the local maps, each as one observation.
 template <int Dim>
 std::vector<KindFit> fits_in(const RunResult<Dim>& result, const SubmapSet<Dim>& set) {
   std::vector<WeighedResidual> residuals;
@@ -79,7 +79,7 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const SubmapSet<Dim>&
   })};
 }
 
-/// What does not fit, closures and features before odometry; that nothing can be tested.
+/// The verdict as a finding: the misfits, the worst first, or that nothing can be tested.
 Finding verdict_on(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   if (fit.verdict == Verdict::kUntested) {
@@ -97,21 +97,26 @@ Finding verdict_on(const RunReport& run_report) {
   return finding;
 }
 
-/// Where positions are not known to a tenth of the map's size.
+/// A finding if positions are not known to a tenth of the map's size.
 template <int Dim>
 Findings check_certainty(const RunResult<Dim>& result) {
   if (!result.marginals) return {};
-  const auto deviation = [](const PoseMatrix<Dim>& P) { return std::sqrt(P.template topLeftCorner<Dim, Dim>().trace()); };
-  const auto& covariances = result.marginals->poses;
-  const auto worst = std::ranges::max_element(covariances, {}, deviation);
+  double largest = 0.0;
+  std::string least_known;
+  const auto look = [&](const auto& covariances, const auto& ids) {
+    for (const auto k : indices(covariances)) {
+      const double deviation = std::sqrt(covariances[k].template topLeftCorner<Dim, Dim>().trace());
+      if (deviation > largest) least_known = to_string(ids[k]);
+      largest = std::max(largest, deviation);
+    }
+  };
+  look(result.marginals->poses, result.map.pose_ids);
+  look(result.marginals->features, result.map.feature_ids);
   const double extent = extent_of(result.map);
-  if (worst == covariances.end() || 10.0 * deviation(*worst) <= extent) return {};
-  const PoseIndex pose(static_cast<std::size_t>(worst - covariances.begin()));
-  const FindingLevel level = deviation(*worst) < extent ? FindingLevel::kNote : FindingLevel::kWarning;
-  return {{level,
+  if (10.0 * largest <= extent) return {};
+  return {{largest < extent ? FindingLevel::kNote : FindingLevel::kWarning,
            "uncertain",
-           fmt::format("positions are uncertain by up to {:.3g} m ({}) in a map of {:.3g} m", deviation(*worst),
-                       to_string(result.map.pose_ids[pose]), extent),
+           fmt::format("positions are uncertain by up to {:.3g} m ({}) in a map of {:.3g} m", largest, least_known, extent),
            {}}};
 }
 
@@ -146,8 +151,7 @@ void fit_values(const Log<Dim>& log, Checked& checked) {
   if (log.initial.poses.empty() || log.initial.features.size() < log.features.size()) {
     fail(ErrorKind::kUsage, log.source + ": has no values of every pose and feature for --estimate file");
   }
-  const std::size_t held = std::max<std::size_t>(1, log.graph.fixed.size());
-  take_fits(fits_of(log, log.initial), degrees_of_freedom(log, held), checked);
+  take_fits(fits_of(log, log.initial), degrees_of_freedom(log), checked);
   checked.add(check_outliers(checked.fits));
 }
 template <int Dim>
@@ -167,7 +171,7 @@ Checked checked_content(CommandRun& command_run, CheckedEstimate estimate, const
   if (estimate == CheckedEstimate::kJoined && !falls_apart) fit_joined(command_run, content, checked);
   return checked;
 }
-/// A store has its log, of which its maps are made.
+/// Checks the log in a store, from which its maps are built.
 template <int Dim>
 Checked checked_content(CommandRun& command_run, CheckedEstimate estimate, const StoredMaps<Dim>& stored) {
   return checked_content(command_run, estimate, stored.log);

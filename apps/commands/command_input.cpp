@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a command reads, and what it asks of that before the work: who is who, and what is wrong.
+// The input of a command, and the work on it before the join: weights, association of features, outliers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,13 +10,15 @@
 #include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/association/associate.hpp>
+#include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
+#include <set>
 #include <utility>
 
 namespace mapjoin::apps {
 namespace {
 
-/// A store's maps are built already, with the weights that it names: no others can be taken.
+/// Refuses other weights than those that a store names: its maps are built with them.
 template <int Dim>
 void take_weights(const Options& options, StoredMaps<Dim>& stored) {
   const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
@@ -25,7 +27,7 @@ void take_weights(const Options& options, StoredMaps<Dim>& stored) {
        "the weights of a store are chosen when it is built: --covariance and --repair-information go with `mapjoin build`");
 }
 
-/// The maps of a store were built by names.
+/// Refuses to associate against names by which the maps of a store were built.
 void demand_names(const std::string& input, const AssociationOptions& association) {
   if (association.names_hold) return;
   fail(ErrorKind::kUsage, input +
@@ -35,11 +37,11 @@ void demand_names(const std::string& input, const AssociationOptions& associatio
 
 template <int Dim>
 Truth<Dim> truth_of(const TruthFile& file, const Log<Dim>& log) {
-  return file.of<Dim>(log.poses, log.features, log.stamps_ns);
+  return file.of(log);
 }
 template <int Dim>
 Truth<Dim> truth_of(const TruthFile& file, const StoredMaps<Dim>& stored) {
-  return truth_of(file, stored.log);
+  return file.of(stored.log);
 }
 template <int Dim>
 Truth<Dim> truth_of(const TruthFile& file, const SubmapSet<Dim>& set) {
@@ -84,7 +86,7 @@ std::vector<std::filesystem::path> CommandRun::inputs() const {
 }
 
 AnyLog CommandRun::largest(const AnyLog& any) {
-  const auto take = [&](const auto& log) -> AnyLog {
+  const auto take = [](const auto& log) -> AnyLog {
     auto part = split_into_parts(log).front();
     const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());
     if (left > 0) part.skipped["poses of other parts"] = left;
@@ -172,6 +174,8 @@ void CommandRun::settle_untied(const std::vector<UntiedParts>& untied, Data& dat
     if (options_.parts != Parts::kLargest) fail(ErrorKind::kBadInput, why + "; --parts largest takes the largest part");
     data = std::get<Data>(largest(data));
     run_report.describe(data);
+    const std::set<PoseId> taken(data.poses.begin(), data.poses.end());
+    std::erase_if(run_report.associations, [&](const AssociatedSighting& seen) { return !taken.contains(seen.base); });
   } else {
     fail(ErrorKind::kBadInput, why);
   }
@@ -196,10 +200,13 @@ void CommandRun::reject_outliers(Input& input) {
   if (progress_.is_shown()) progress_.show("rejecting", 0, 1);
   RobustOptions robust = *options_.robust;
   robust.engine = options_.run.solver.engine;
+  const auto fixed = input.graph.fixed;
+  if (!options_.gps.empty()) hold_parts(input);  // fixes, which come later, tie them
   auto inliers = find_inliers(input, robust, stop_).value();
   run_report.robust = options_.robust;
   run_report.describe(input, inliers.rejected);
   input = std::move(inliers.input);
+  input.graph.fixed = fixed;
 }
 
 template <int Dim>

@@ -17,13 +17,6 @@
 namespace mapjoin::apps {
 namespace {
 
-template <int Dim>
-bool is_finite(const GlobalMap<Dim>& map) {
-  const auto is_finite = [](const auto& value) { return is_valid(value); };
-  return std::all_of(map.poses.begin(), map.poses.end(), is_finite) &&
-         std::all_of(map.features.begin(), map.features.end(), is_finite);
-}
-
 std::string why_not_converged(const RunReport& run_report) {
   const RunFigures& figures = run_report.figures;
   const MinimiseResult& last = figures.polish ? *figures.polish : figures.join;
@@ -46,7 +39,7 @@ std::string why_not_trusted(const RunReport& run_report) {
   return run_report.files.empty() ? why : why + "; the map is written all the same";
 }
 
-/// The log that was joined; where fixes with levers hold it, with the values of the map, for levers are taken off at them.
+/// The log that was joined; if fixes with levers hold it, with the values of the map, at which levers are taken off.
 template <int Dim>
 Log<Dim> with_values_for_levers(Log<Dim> log, const GlobalMap<Dim>& map) {
   if (has_levers(log.graph)) log.initial = {map.poses, map.features};
@@ -99,9 +92,6 @@ void CommandRun::certify(RunResult<Dim>& result) {
 template <int Dim>
 void CommandRun::take(RunResult<Dim>& result) {
   run_report.describe(result);
-  if (!is_finite(result.map)) {
-    fail(ErrorKind::kBadInput, run_report.input + ": its numbers are too large: the map is not finite");
-  }
   certify(result);
   if (truth_) run_report.errors = errors_of(result.map, *truth_);
   check_interrupted();
@@ -160,7 +150,7 @@ std::optional<std::string> CommandRun::features_apart(const Data& data, const Ru
   const auto compared = worst_name_fit(data, options_.confidence, stop_);
   if (!compared && compared.error().kind == ErrorKind::kInterrupted) demand(tl::unexpected(compared.error()));
   const auto fit = compared.value_or(std::nullopt);  // what cannot be joined alone cannot be compared
-  if (!fit || fit->alike > 0.5) return std::nullopt;
+  if (!fit || fit->is_good()) return std::nullopt;
   return fmt::format(
       "{} and {} name {} alike that lie differently in the map of each (of the distances between these {:.0f} % agree): "
       "{}--features own where ids mean other features in each input, --features shared where they mean the same all the same",

@@ -31,25 +31,25 @@ struct CompareOptions : Options {
   std::vector<int> poses_per_map = {5, 20, 60};
 };
 
-/// 1 would be full SLAM, which is there in any case.
+/// A number of poses from 2 on: 1 would be full SLAM, which is there in any case.
 std::optional<int> poses_in(const std::string& word) {
   const std::optional<int> number = number_in<int>(word);
   return number && *number >= 2 && *number <= kLongestMap ? number : std::nullopt;
 }
 
-/// The truth of a log, where a file of it is given: at least two poses.
+/// The truth of a log, at least two poses, if a file is given.
 template <int Dim>
 std::optional<Truth<Dim>> truth_of(const Log<Dim>& log, const CommandRun& command_run) {
   const std::filesystem::path& path = command_run.options().truth;
   if (path.empty()) return std::nullopt;
-  Truth<Dim> truth = command_run.truth().of<Dim>(log.poses, log.features, log.stamps_ns);
+  Truth<Dim> truth = command_run.truth().of(log);
   if (std::count_if(truth.poses.begin(), truth.poses.end(), [](const auto& pose) { return pose.has_value(); }) < 2) {
     fail(ErrorKind::kUsage, fmt::format("{}: the truth has fewer than two poses of the log", path.string()));
   }
   return truth;
 }
 
-/// The optimum with the weights that are not compared, by mapjoin's default.
+/// The optimum, by run(), with the weights that are not compared.
 template <int Dim>
 OtherWeights<Dim> other_weights(const Log<Dim>& log, const GlobalMap<Dim>& best, const CommandRun& command_run) {
   OtherWeights<Dim> other;
@@ -175,8 +175,8 @@ StudyOutput compare_output(const Comparison<Dim>& comparison, const OtherWeights
   return output;
 }
 
-/// Bad input where the map of several logs says that they do not share the features that their ids say, and nobody said
-/// whether they do. It is made once for that, with the weights of the files.
+/// Bad input if a map of several logs shows that they do not share the features of the same ids, and no option says whether
+/// they do. The map is made for this alone, with the weights of the files.
 template <int Dim>
 void demand_shared_features(const CommandRun& command_run, const Log<Dim>& log) {
   if (!command_run.asks_features()) return;
@@ -184,10 +184,10 @@ void demand_shared_features(const CommandRun& command_run, const Log<Dim>& log) 
   options.progress = command_run.run_options().progress;
   const auto result = run(log, options, command_run.stop());
   command_run.check_interrupted();
-  if (result) command_run.check_shared_features(log, *result);  // else compare() says why
+  if (result) command_run.check_shared_features(log, *result);  // otherwise compare() says why
 }
 
-/// `log` has the weights that the file gives.
+/// Compares on a log, which has the weights of its file.
 template <int Dim>
 ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
                     std::optional<OutputFolder>& folder) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin covariance`: how certain named poses and features of a map are, together and relative to each other.
+// `mapjoin covariance`: the covariances of named poses and features of a map, together and relative to each other.
 
 #include <fmt/format.h>
 
@@ -42,7 +42,7 @@ struct Named {
   PoseOrFeature index;
   std::string text;  ///< "pose 17"
   Json id;
-  std::vector<std::string> coordinates;  ///< Of its step, by name.
+  std::vector<std::string> coordinates;  ///< Names of the coordinates of its step.
   std::vector<Eigen::Index> rows;        ///< Their places in the joint covariance of all.
 };
 
@@ -64,7 +64,7 @@ std::vector<Named<Dim>> find_all(const CovarianceOptions& options, const GlobalM
   return all;
 }
 
-/// One row a coordinate: of JSON, of CSV, and for people.
+/// The covariance as JSON, a row per coordinate.
 Json rows_of(const Eigen::MatrixXd& covariance) {
   Json rows = Json::array();
   for (const auto& row : covariance.rowwise()) rows.push_back(std::vector<double>(row.begin(), row.end()));
@@ -86,7 +86,7 @@ ReportTable table_of(const std::vector<Named<Dim>>& all, const Eigen::MatrixXd& 
   return table;
 }
 
-/// Of the square roots of the diagonal: "0.12 0.1 m, 0.003 rad".
+/// The standard deviations in words: "0.12 0.1 m, 0.003 rad".
 template <int Dim>
 std::string deviations_in_words(const Eigen::MatrixXd& covariance) {
   std::string words;
@@ -133,7 +133,8 @@ Relation relation(const MapCovariances<Dim>& covariances, const Named<Dim>& base
                       deviations_in_words<Dim>(covariance))};
 }
 
-/// Of every two of them of which one is a pose: the one named later in the frame of the other, or of the pose.
+/// The relations of all pairs with a pose: the later one in the frame of the earlier one, or of the pose if the earlier one is
+/// a feature.
 template <int Dim>
 std::vector<Relation> relations_of(const MapCovariances<Dim>& covariances, const std::vector<Named<Dim>>& all,
                                    const Eigen::MatrixXd& joint) {
@@ -149,7 +150,7 @@ std::vector<Relation> relations_of(const MapCovariances<Dim>& covariances, const
   return relations;
 }
 
-/// What is said of the covariances, for programs and for people.
+/// The covariances asked for, for programs and for people.
 template <int Dim>
 struct Answer {
   std::vector<Named<Dim>> named;
@@ -237,11 +238,7 @@ void declare_covariance(Subcommand& command) {
   add_most_memory(command, *options, "Refuse what would take more [as much as there is]");
   add_reading(command, *options);
   add_reporting(command, *options);
-  command.check([options] {
-    const auto conflicts = output_conflicts(inputs_of(*options, "MAP"), outputs_of(*options));
-    options->input = map_of_run(options->input);
-    return conflicts;
-  });
+  command.check([options] { return output_conflicts(inputs_of(*options, "MAP"), outputs_of(*options)); });
   command.act([options](const std::stop_token& stop) { return tell(*options, stop); });
 }
 

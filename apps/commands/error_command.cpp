@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin error`: how far a map or a trajectory is from the truth.
+// `mapjoin error`: the errors of a map or a trajectory against the truth.
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 struct ErrorCommandOptions : Options {
   std::filesystem::path true_map;
-  double most_apart = 0.01;  ///< Times of the map and of the truth may be (s).
+  double most_apart = kMatchingTimes;  ///< Largest difference between matched times of map and truth (s).
   ErrorOptions errors;
 };
 
@@ -99,10 +99,7 @@ void declare_error(Subcommand& command) {
   add_reading(command, *options);
   command.check([&errors] { return check_spans(errors); });
   command.check([options] {
-    const auto conflicts = output_conflicts({{"MAP", options->input}, {"TRUTH", options->true_map}}, report_of(*options));
-    options->input = map_of_run(options->input);
-    options->true_map = map_of_run(options->true_map);
-    return conflicts;
+    return output_conflicts({{"MAP", options->input}, {"TRUTH", options->true_map}}, report_of(*options));
   });
   command.act([options](const std::stop_token& stop) { return measure(*options, stop); });
 }

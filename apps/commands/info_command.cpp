@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin info`: what is in a file.
+// `mapjoin info`: the content of a file.
 
 #include <fmt/format.h>
 
@@ -62,6 +62,9 @@ void add_content(const SubmapSet<Dim>& set, Lines& lines) {
 template <int Dim>
 void add_content(const StoredMaps<Dim>& stored, Lines& lines) {
   lines.add("local maps", fmt::format("{} of {} segments", stored.maps.size(), stored.segments.size()));
+  if (const Share& share = stored.share; !share.is_whole()) {
+    lines.add("part", fmt::format("{} of {}", share.index + 1, share.count));
+  }
   lines.add("built by", stored.options);
   lines.add("log", stored.log.source);
   add_content(stored.log, lines);
@@ -90,7 +93,7 @@ std::string described(const RunReport& run_report, const Content& content) {
 void declare_info(Subcommand& command) {
   command.examples("  mapjoin info data/manhattan2d.g2o");
   const auto options = std::make_shared<Options>();
-  command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
+  command.argument("FILE", options->input, "A log, the folder of a run, a store, or a folder or archive of local maps");
   add_further_logs(command, *options);
   add_reading(command, *options);
   command.act([options](const std::stop_token& stop) {

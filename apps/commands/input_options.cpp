@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <apps/commands/options.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
-#include <mapjoin/io/store/store.hpp>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -28,7 +27,7 @@ void add_format(Subcommand& command, Options& options) {
                  });
 }
 
-/// In words, an input that is given twice and would count twice; stores of one log are united.
+/// A violation, in words: an input that is given twice and would count twice.
 std::vector<std::string> check_given_once(const Options& options) {
   std::vector<std::filesystem::path> before = {options.input};
   for (const std::filesystem::path& input : options.further) {
@@ -36,13 +35,13 @@ std::vector<std::string> check_given_once(const Options& options) {
       std::error_code ignored;
       return std::filesystem::equivalent(other, input, ignored);
     };
-    if (std::ranges::any_of(before, is_same) && !is_store(input)) return {input.string() + " is given twice: leave one out"};
+    if (std::ranges::any_of(before, is_same)) return {input.string() + " is given twice: leave one out"};
     before.push_back(input);
   }
   return {};
 }
 
-/// What files of others have that a log has no place for.
+/// Adds the options for data in files of others that a log has no place for.
 void add_leniency(Subcommand& command, Options& options) {
   command.flag("--skip-unknown", options.read.skip_unknown, "Leave out lines of unknown tags, and count them");
   command.flag("--skip-self-edges", options.read.skip_self_edges, "Leave out edges from a pose to itself, and count them");
@@ -83,7 +82,7 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
   command.choice("--features", options.merging.own_features, std::to_array<EnumName<bool>>({{false, "shared"}, {true, "own"}}),
                  "Whether features of the same id in different " + kind + " are the same");
   command.check([&command, &options]() -> std::vector<std::string> {
-    options.asks_features = !command.is_given("--features");
+    options.features_undecided = !command.is_given("--features");
     return {};
   });
   command.check([&options] { return check_given_once(options); });

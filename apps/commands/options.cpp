@@ -15,15 +15,15 @@ constexpr int kMostJobs = 1024;
 
 const std::vector<std::string> kRules = {"--poses-per-map", "--metres-per-map", "--features-per-map"};
 
-/// The rules exclude each other.
+/// A violation, in words, if several rules are given: they exclude each other.
 std::vector<std::string> check_one_rule(const Subcommand& command) {
   const auto given = std::count_if(kRules.begin(), kRules.end(), [&](const auto& rule) { return command.is_given(rule); });
   if (given < 2) return {};
   return {"only one of --poses-per-map, --metres-per-map and --features-per-map can say where to cut"};
 }
 
-/// The other schedules need no start: who asks for one, or how to go on from it, means batch. In the relative state, batch is
-/// gradual if nothing else is asked for.
+/// Settles the schedule: --start and --batch imply batch, and are violations with a schedule that needs no start. In the
+/// relative state, batch is gradual unless --batch or --method is given.
 std::vector<std::string> settle_batch(const Subcommand& command, Options& settled) {
   RunOptions& run = settled.run;
   const std::vector<std::string> options = {"--start", "--batch"};
@@ -208,12 +208,7 @@ void add_certainty(Subcommand& command, Options& options) {
 
 void add_most_memory(Subcommand& command, Options& options, const std::string& help) {
   constexpr double kByte = 1e-6;
-  command.option("--max-memory", "MB", help, [&options](const std::string& word) -> std::optional<std::string> {
-    const std::optional<double> given = number_in<double>(word);
-    if (!given || *given < kByte) return "not a number from 1e-6 (a byte) on; leave it out where nothing is to be refused";
-    options.most_memory_mb = *given;
-    return std::nullopt;
-  });
+  command.number<double>("--max-memory", options.most_memory_mb, kByte, "MB", help);
 }
 
 void add_running(Subcommand& command, Options& options) {

@@ -20,7 +20,7 @@ namespace {
 
 struct PlotOptions : Options {
   std::vector<std::filesystem::path> inputs;
-  std::filesystem::path truth_of_first;  ///< Empty: none.
+  std::filesystem::path truth_of_first;  ///< Truth of the first map; empty: none.
   bool align = true;
 };
 
@@ -28,7 +28,7 @@ bool is_page(const PlotOptions& options) {
   return extension_of(options.output) == ".html";
 }
 
-/// Names that tell the maps apart: those of their files, with their folders where these are the same.
+/// Names that tell the maps apart: those of their files, with their folders if these are the same.
 std::vector<std::string> names_of(const std::vector<std::filesystem::path>& paths) {
   std::vector<std::string> files;
   for (const auto& path : paths) files.push_back((path.has_filename() ? path : path.parent_path()).filename().string());
@@ -39,7 +39,7 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& path
   return names;
 }
 
-/// Says what is wrong with a joined map, and gives its exit code.
+/// Loads all maps; says what is wrong with a joined one, and gives its exit code.
 AnyScene load_all(const PlotOptions& options, CommandRun& command_run, ExitCode& exit_code) {
   const LoadOptions loading{options.read, command_run.run_options(), is_page(options),
                             command_run.progress().count("map after map")};
@@ -67,12 +67,13 @@ AnyScene load_all(const PlotOptions& options, CommandRun& command_run, ExitCode&
   return scene;
 }
 
-/// Puts everything into the frame of the first map, and says what could not be.
+/// Moves everything into the frame of the first map, and says what could not be aligned.
 template <int Dim>
 void align_all(const PlotOptions& options, Scene<Dim>& scene) {
   const auto align = [&](auto& what, const auto& places, const std::filesystem::path& file) {
-    if (const auto frame = alignment(places, scene.maps.front().map)) return move(*frame, what);
-    say(file.string() + ": shares too little with the first map to be aligned with it, and is drawn as it stands");
+    const auto frame = alignment(places, scene.maps.front().map);
+    if (frame) return move(*frame, what);
+    say(file.string() + ": " + frame.error().message + "; it is drawn as it stands");
   };
   for (std::size_t k = 1; k < scene.maps.size(); ++k) align(scene.maps[k], scene.maps[k].map, options.inputs[k]);
   if (scene.truth) align(*scene.truth, *scene.truth, options.truth_of_first);
@@ -86,11 +87,21 @@ std::string drawn(const PlotOptions& options, const Scene<Dim>& scene) {
   return viewer_page(scene, title);
 }
 
+/// Reads the truth of the first map, and says of how few poses it is if not of all.
+template <int Dim>
+Truth<Dim> read_truth(const PlotOptions& options, const GlobalMap<Dim>& first) {
+  const Truth<Dim> truth = TruthFile(options.truth_of_first, kMatchingTimes).of(first);
+  const auto known = std::ranges::count_if(truth.poses, [](const auto& pose) { return pose.has_value(); });
+  if (known < std::ssize(truth.poses)) {
+    say(fmt::format("{}: has {} of the {} of the first map, and is drawn at no others", options.truth_of_first.string(), known,
+                    plural(truth.poses.size(), "pose")));
+  }
+  return truth;
+}
+
 template <int Dim>
 std::string plot_scene(const PlotOptions& options, Scene<Dim>& scene) {
-  if (!options.truth_of_first.empty()) {
-    scene.truth = TruthFile(options.truth_of_first).of(scene.maps.front().map);
-  }
+  if (!options.truth_of_first.empty()) scene.truth = read_truth(options, scene.maps.front().map);
   if (options.align) align_all(options, scene);
   demand(write_file(options.output, drawn(options, scene)));
   Lines lines;
@@ -118,7 +129,7 @@ std::vector<std::string> check_files(const PlotOptions& options) {
   return output_conflicts(inputs, outputs_of(options));
 }
 
-/// In words, an output that is neither a picture nor a page by its extension; one without is a picture.
+/// A violation, in words: an output that by its extension is neither a picture nor a page; one without is a picture.
 std::vector<std::string> check_picture(const PlotOptions& options) {
   if (!goes_by_extension(options.output) || extension_of(options.output) == ".svg" || is_page(options)) return {};
   return {fmt::format("--output: {} has neither the extension of a picture, .svg, nor that of a page, .html",

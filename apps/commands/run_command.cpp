@@ -8,11 +8,10 @@
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/follow.hpp>
 #include <apps/commands/subcommand.hpp>
+#include <apps/former_run.hpp>
 #include <apps/picture/links.hpp>
 #include <apps/picture/plotted_map.hpp>
-#include <apps/report/json.hpp>
 #include <apps/report/report.hpp>
-#include <fstream>
 #include <functional>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/files/output_file.hpp>
@@ -29,7 +28,7 @@
 namespace mapjoin::apps {
 namespace {
 
-/// The user's sessions, of several; of one, none.
+/// The user's sessions if there are several; otherwise empty.
 template <int Dim>
 std::vector<std::uint32_t> sessions_in(const GlobalMap<Dim>& map) {
   std::set<std::uint32_t> sessions;
@@ -50,7 +49,7 @@ GlobalMap<Dim> session_of(const GlobalMap<Dim>& map, std::uint32_t session) {
   return part;
 }
 
-/// The files of the folder; a map may have no covariances though they are asked for.
+/// The names of the files of the folder; without those of covariances if the map has none.
 std::vector<std::string> names_of(const Options& options, bool has_covariances, const std::vector<std::uint32_t>& sessions) {
   std::vector<std::string> names(kFilesOfRun.begin(), kFilesOfRun.end());
   for (const std::uint32_t session : sessions) names.push_back(trajectory_of(session));
@@ -59,7 +58,7 @@ std::vector<std::string> names_of(const Options& options, bool has_covariances, 
   return names;
 }
 
-/// The picture of a map, with what was left out of it.
+/// The picture of a map, with the links that were rejected.
 template <int Dim>
 std::string picture_of(const RunResult<Dim>& result, const Log<Dim>& log, const RunReport& run_report) {
   PlottedMap<Dim> map = plotted(result, log);
@@ -86,27 +85,11 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
   return parallel_try(files.size(), [&](std::size_t k) { return files[k](); });
 }
 
-/// What an earlier run wrote into a folder, by its report there, which lists itself among its files.
-std::vector<std::string> files_of_former_run(const OutputFolder& folder) {
-  namespace fs = std::filesystem;
-  const fs::path own = folder.file(kReportOfRun);
-  std::error_code ignored;
-  if (!fs::is_regular_file(fs::symlink_status(own, ignored))) return {};
-  std::vector<std::string> written;
-  try {
-    std::ifstream file(own);
-    written = Json::parse(file).at("files").get<std::vector<std::string>>();
-  } catch (const Json::exception&) {
-    return {};  // it is no report of ours
+/// Says which folders hold earlier runs beside the one that wrote into `written`. They may be somebody's: none is removed.
+void say_other_runs(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& written) {
+  for (const std::filesystem::path& run : other_runs_in(folder, written)) {
+    say(run.string() + ": holds the map of an earlier run, not of this one; remove it where it is of no use");
   }
-  const auto is_report = [](const fs::path& path) { return path.filename() == kReportOfRun; };
-  const auto report = std::ranges::find_if(written, is_report);
-  std::vector<std::string> names;
-  for (const fs::path path : written) {
-    const bool is_beside = report != written.end() && path.parent_path() == fs::path(*report).parent_path();
-    if (is_beside && is_file_of_run(path.filename())) names.push_back(path.filename());
-  }
-  return names;
 }
 
 template <int Dim>
@@ -118,7 +101,10 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
   demand(timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); }));
   demand(write_file(folder.aside(kReportOfRun), report(command_run.run_report)));
   command_run.check_interrupted();
-  folder.commit(names, files_of_former_run(folder));
+  const std::filesystem::path& output = command_run.options().output;
+  folder.commit(names, files_of_former_run(output));
+  command_run.progress().close();
+  say_other_runs(output, {output});
 }
 
 template <int Dim>
@@ -134,7 +120,7 @@ ExitCode run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<Outp
   return command_run.conclude();
 }
 
-/// The log that is followed until it is complete; a stop ends the following, not the work on what is there.
+/// Runs on a log that is followed until it is complete; a stop ends the following, not the run on what is there.
 ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, const std::stop_token& stop,
                       std::optional<OutputFolder>& folder) {
   FollowedLog followed = follow(command_run.options(), following, stop);
@@ -145,9 +131,9 @@ ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, c
   fail(followed.fault->kind, followed.fault->message + (is_written ? "; the map of what stands before it is written" : ""));
 }
 
-/// Of a part of what `whole` has; says why where it has no map.
+/// Runs on a part of the log of `whole`; the error if it has no map.
 template <int Dim>
-ExitCode run_part(const Options& options, const CommandRun& whole, Log<Dim> part) {
+Expected<ExitCode> run_part(const Options& options, const CommandRun& whole, Log<Dim> part) {
   try {
     CommandRun command_run("run", options, whole.stop());
     auto folder = output_folder(options.output);
@@ -156,29 +142,33 @@ ExitCode run_part(const Options& options, const CommandRun& whole, Log<Dim> part
     return std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, log);
   } catch (const tl::bad_expected_access<Error>& failure) {
     if (failure.error().kind == ErrorKind::kInterrupted || failure.error().kind == ErrorKind::kCannotWrite) throw;
-    say(failure.error().message);
-    return exit_code_of(failure.error().kind);
+    return tl::unexpected(failure.error());
   }
 }
 
-/// Each part with the options, but for the folder; the largest is the first. One that has no map does not keep the others from
-/// theirs.
+/// Runs on each part with the same options, but a folder of its own; the largest is the first. A part without a map does not
+/// keep the others from theirs.
 ExitCode run_parts(const Options& options, const std::stop_token& stop) {
   CommandRun whole("run", options, stop);
   whole.prepare({});
   const AnyLog log = whole.open_input();
   ExitCode worst = ExitCode::kDone;
+  std::vector<std::filesystem::path> written;
   const auto run_each = [&](const auto& any) {
     whole.demand_truth(any);
     auto parts = split_into_parts(any);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Options of_part = options;
       of_part.output = options.output / folder_of_part(k);
-      parts[k].source += fmt::format(", part {}", k + 1);  // for what goes wrong
-      worst = std::max(worst, run_part(of_part, whole, std::move(parts[k])));
+      parts[k].source += fmt::format(", part {}", k + 1);  // for error messages
+      const Expected<ExitCode> done = run_part(of_part, whole, std::move(parts[k]));
+      if (!done) say(done.error().message);
+      if (done) written.push_back(of_part.output);
+      worst = std::max(worst, done ? *done : exit_code_of(done.error().kind));
     }
   };
   std::visit(run_each, log);
+  say_other_runs(options.output, written);
   return worst;
 }
 
@@ -198,7 +188,7 @@ std::vector<std::string> check_files(const Options& options, const FollowOptions
   NamedFiles outputs = is_folder ? outputs_of(options) : outputs_of_map(options);
   if (following.steps != "-") outputs.emplace_back("--steps", following.steps);
   std::vector<std::string> violations = output_conflicts(inputs, outputs);
-  NamedFiles all = inputs;
+  NamedFiles all = files_read(inputs);
   append(all, outputs);
   if (is_folder) append(violations, conflicts_with_run(all, options.output, options.parts == Parts::kAll));
   return violations;

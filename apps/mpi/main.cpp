@@ -12,15 +12,15 @@ namespace {
 
 constexpr const char* kDescription =
     "Builds maps that are too large for one machine: every rank of an MPI job builds the local maps of its part of a log, "
-    "takes a "
-    "region of the map, and what regions share is solved by all of them.";
+    "takes a region of "
+    "the map, and what regions share is solved by all of them.";
 
 constexpr Command kCommands[] = {
     {"run", "From a log to a global map: splits, builds local maps, aligns, and minimises the whole log", declare_mpi_run},
     {"build", "From a log to stores of local maps, one of each rank", declare_mpi_build},
     {"join", "From stores of local maps to a global map", declare_mpi_join}};
 
-/// What the ranks do not agree on beforehand ends all of them.
+/// Runs the command on one rank. An exception that the ranks have not agreed on ends all of them.
 ExitCode on_rank(const distributed::Communicator& comm, int argc, char** argv) {
   bool is_unforeseen = false;
   const auto work = [&] {

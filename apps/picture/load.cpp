@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <apps/outputs.hpp>
 #include <apps/picture/links.hpp>
 #include <apps/picture/load.hpp>
-#include <apps/picture/log_names.hpp>
 #include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/open.hpp>
+#include <mapjoin/io/run_folder.hpp>
 #include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/localmap/split.hpp>
@@ -22,7 +24,7 @@ constexpr std::size_t kLeastStops = 12;
 constexpr std::size_t kMostStops = 100;
 constexpr std::size_t kMostPlaces = 500'000;  // of all stops together: 6 MB
 
-/// How many segments to join between two stops.
+/// The number of segments to join between two stops.
 template <int Dim>
 std::size_t between_stops(const SubmapGraph<Dim>& graph) {
   const auto places =
@@ -31,7 +33,7 @@ std::size_t between_stops(const SubmapGraph<Dim>& graph) {
   return (graph.segments.size() + stops - 1) / stops;
 }
 
-/// What `take` makes of the JSON in a file. What it does not find there, or finds to be something else, is bad input.
+/// The result of `take` on the JSON in a file; bad input if a value is missing or of another type.
 template <typename Take>
 auto from_json(const fs::path& file, Take&& take) {
   const FileBytes bytes = FileBytes::read(file).value();
@@ -42,7 +44,7 @@ auto from_json(const fs::path& file, Take&& take) {
   }
 }
 
-/// Symmetric, from its upper triangle; throws where there are not as many numbers.
+/// The symmetric matrix with this upper triangle; throws if there are too few numbers.
 template <int Size>
 Matrix<Size> symmetric(const Json& upper) {
   std::size_t next = 0;
@@ -50,7 +52,7 @@ Matrix<Size> symmetric(const Json& upper) {
 }
 
 template <int Dim>
-Point<Dim> position_of(const Json& line) {
+Point<Dim> position_in(const Json& line) {
   Point<Dim> position;
   for (int i = 0; i < Dim; ++i) position[i] = line.at("position").at(static_cast<std::size_t>(i)).get<double>();
   return position;
@@ -60,18 +62,18 @@ PoseId pose_id(const Json& line, const char* key = "pose") {
   return {line.at("session").get<std::uint32_t>(), line.at(key).get<std::uint64_t>()};
 }
 
-/// A map as a file of its covariances has it: without its rotations.
+/// The map in a file of its covariances, without rotations.
 template <int Dim>
 GlobalMap<Dim> map_of_covariances(const Json& json) {
   GlobalMap<Dim> map;
   for (const Json& line : json.at("poses")) {
     map.pose_ids.push_back(pose_id(line));
-    map.poses.push_back({position_of<Dim>(line), {}});
+    map.poses.push_back({position_in<Dim>(line), {}});
     map.pose_covariances.push_back(symmetric<kPoseDof<Dim>>(line.at("covariance")));
   }
   for (const Json& line : json.at("features")) {
     map.feature_ids.push_back({line.at("feature").get<std::uint64_t>()});
-    map.features.push_back(position_of<Dim>(line));
+    map.features.push_back(position_in<Dim>(line));
     map.feature_covariances.push_back(symmetric<Dim>(line.at("covariance")));
   }
   return map;
@@ -82,57 +84,85 @@ bool is_there(const fs::path& file) {
   return fs::is_regular_file(file, ignored);
 }
 
-/// Puts the covariances of `map.covariances.json` beside `map.g2o`, or of `covariances.json` in the folder of a run, into the
-/// map that was read from there. Nothing where there are none, and for a trajectory, which has no names; bad input where they
-/// are not of this map.
+/// The folder of a run if this is its `map.g2o`; otherwise the path itself.
+fs::path run_of(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const bool is_of_run = path.filename() == kMapOfRun && is_run_folder(folder) && is_there(folder / kReportOfRun) &&
+                         is_there(folder / "poses.csv");
+  return is_of_run ? folder : path;
+}
+
+/// The file of covariances beside a map: `covariances.json` in the folder of a run, `map.covariances.json` beside `map.g2o`;
+/// nullopt if there is none, and for a trajectory, which has no names.
+std::optional<fs::path> covariances_beside(const fs::path& path) {
+  const fs::path file = is_run_folder(path) ? path / "covariances.json" : extra_file(Extra::kCovariances, path);
+  return is_there(file) && extension_of(path) != ".tum" ? std::optional(file) : std::nullopt;
+}
+
+/// The map in a file of covariances.
 template <int Dim>
-void read_covariances_beside(const fs::path& path, GlobalMap<Dim>& map) {
-  fs::path file = extra_file(Extra::kCovariances, path);
-  if (path.filename() == kMapOfRun && !is_there(file)) file = path.parent_path() / "covariances.json";
-  if (!is_there(file) || extension_of(path) == ".tum") return;
-  from_json(file, [&](const Json& json) {
-    if (json.at("dimension") != Dim) fail_not_of_map(file);
-    const auto told = map_of_covariances<Dim>(json);
-    const LogNames names(file, told, map);
-    map.pose_covariances.assign(map.poses.size(), PoseMatrix<Dim>::Zero());
-    map.feature_covariances.assign(map.features.size(), PointMatrix<Dim>::Zero());
-    for (const PoseIndex p : indices(told.poses)) map.pose_covariances[*names(told.pose_ids[p])] = told.pose_covariances[p];
-    for (const FeatureIndex f : indices(told.features)) {
-      if (const auto here = names(told.feature_ids[f])) map.feature_covariances[*here] = told.feature_covariances[f];
-    }
+GlobalMap<Dim> read_covariances(const fs::path& file) {
+  return from_json(file, [&](const Json& json) {
+    if (json.at("dimension") != Dim) demand(not_of_map_beside(file));
+    return map_of_covariances<Dim>(json);
   });
 }
 
-/// How the local maps of a run fit, by the `report.json` in its folder, over the poses of its map. Empty where there is none or
-/// it does not say where they end, and where it is not in the folder of a run. Bad input where it is not of this map.
+/// Puts the covariances that were told into a map under the same names, which may have no features.
 template <int Dim>
-std::vector<MapFit> read_fits_beside(const fs::path& path, const GlobalMap<Dim>& map) {
-  const fs::path folder = path.parent_path();
-  const fs::path file = folder / kReportOfRun;
-  if (path.filename() != kMapOfRun || !is_there(file) || !is_there(folder / "poses.csv")) return {};
+void take_covariances(GlobalMap<Dim> told, GlobalMap<Dim>& map) {
+  map.pose_covariances = std::move(told.pose_covariances);  // in the order of with_names()
+  map.feature_covariances.assign(map.features.size(), PointMatrix<Dim>::Zero());
+  const IndexOf index_of(map.feature_ids);
+  for (const FeatureIndex f : indices(told.features)) {
+    if (const auto here = index_of(told.feature_ids[f])) map.feature_covariances[*here] = told.feature_covariances[f];
+  }
+}
+
+/// The fits of the local maps of a run, from its report; empty if that does not say where they end. Bad input if it is not of
+/// the map with these poses.
+std::vector<MapFit> read_fits(const fs::path& file, const PoseIds& poses) {
+  const IndexOf index_of(poses);
   return from_json(file, [&](const Json& json) {
     std::vector<MapFit> fits;
-    const LogNames names = LogNames::of_run(folder, map);
     for (const Json& line : json.at("join").at("maps")) {
       if (!line.contains("end")) return std::vector<MapFit>();
-      const auto base = names(pose_id(line));
-      const auto end = names(pose_id(line, "end"));
-      if (!base || !end || *end < *base) fail_not_of_map(file);
-      fits.push_back({*base, *end, line.at("chi2").get<double>(), line.at("rows").get<std::int64_t>()});
+      const auto base = index_of(pose_id(line));
+      const auto end = index_of(pose_id(line, "end"));
+      if (!base || !end || *end < *base) demand(not_of_map_beside(file));
+      fits.push_back({base.value(), end.value(), line.at("chi2").get<double>(), line.at("rows").get<std::int64_t>()});
     }
     return fits;
   });
 }
 
+/// Reads local maps and rejected links from the folder of a run; returns, in words, why it could not.
 template <int Dim>
-LoadedMap loaded(const Log<Dim>& log, const fs::path& path) {
-  PlottedMap<Dim> out = plotted(log);
-  if (!out.is_odometry) {
-    read_covariances_beside(path, out.map);
-    out.local_maps = plotted_local_maps(read_fits_beside(path, out.map), log);
-    if (path.filename() == kMapOfRun) add_rejected_links(path.parent_path(), out.map, out.links);
+std::vector<std::string> read_run(const fs::path& folder, const Log<Dim>& log, PlottedMap<Dim>& out) {
+  const fs::path run_report = folder / kReportOfRun;
+  const fs::path rejected = folder / "rejected.csv";
+  if (!is_there(run_report) && !is_there(rejected)) return {};
+  for (const char* table : {"poses.csv", "features.csv"}) {
+    if (!is_there(folder / table)) {
+      return {fmt::format("without its {} neither local maps nor what was rejected are drawn", table)};
+    }
   }
-  return {std::move(out)};
+  if (is_there(run_report)) out.local_maps = plotted_local_maps(read_fits(run_report, log.poses), log);
+  if (is_there(rejected)) add_rejected_links(rejected, log.poses, log.features, out.links);
+  return {};
+}
+
+template <int Dim>
+LoadedMap loaded(Log<Dim> log, const fs::path& path) {
+  std::optional<GlobalMap<Dim>> certain;
+  if (const auto file = log.initial.poses.empty() ? std::nullopt : covariances_beside(path)) {
+    certain = read_covariances<Dim>(*file);
+    log = with_names(*certain, std::move(log), *file).value();
+  }
+  PlottedMap<Dim> out = plotted(log);
+  if (certain) take_covariances(*std::move(certain), out.map);
+  auto remarks = is_run_folder(path) ? read_run(path, log, out) : std::vector<std::string>();
+  return {std::move(out), ExitCode::kDone, std::move(remarks)};
 }
 
 template <int Dim>
@@ -186,13 +216,12 @@ std::vector<JoinStop<Dim>> join_stops(const SubmapGraph<Dim>& graph, const Globa
 }
 
 LoadedMap load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
-  const fs::path file = map_of_run(path);
-  if (may_hold_maps(file)) {
-    const AnyMaps maps = open_maps(file, options.read).value();
+  const fs::path input = run_of(path);
+  if (may_hold_maps(input)) {
+    const AnyMaps maps = open_maps(input, options.read).value();
     return std::visit([&](const auto& of_dim) { return loaded(of_dim, options, stop); }, maps);
   }
-  const AnyLog log = open_log(file, options.read).value();
-  return std::visit([&](const auto& of_dim) { return loaded(of_dim, file); }, log);
+  return std::visit([&](auto&& of_dim) { return loaded(std::move(of_dim), input); }, open_log(input, options.read).value());
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                       \

@@ -6,6 +6,7 @@
 #include <apps/certainty.hpp>
 #include <apps/picture/markup.hpp>
 #include <apps/picture/plotted_map.hpp>
+#include <apps/position.hpp>
 #include <array>
 #include <cmath>
 
@@ -17,22 +18,22 @@ constexpr const char* kInk = "#1c2024";
 constexpr const char* kOrange = kDistinctColours[1];
 
 constexpr double kSigmas = 3.0;
-constexpr double kManyLinks = 200.0;       // of one class: more are drawn finer
-constexpr std::size_t kPoseEllipses = 50;  // about so many along a trajectory without local maps
+constexpr double kManyLinks = 200.0;       // links of one class: more are drawn finer
+constexpr std::size_t kPoseEllipses = 50;  // about so many ellipses along a trajectory without local maps
 
-/// Of local maps and sessions, in their order, without the features' colour.
+/// The colours of local maps and sessions, in their order, without that of features.
 const std::vector<std::string> kPathColours = {kDistinctColours[0], kDistinctColours[2], kDistinctColours[3],
                                                kDistinctColours[5], kDistinctColours[4]};
 
-/// Of a pose or a feature.
+/// The ellipse of a pose or a feature, capped.
 template <typename Place, typename Covariance>
 Ellipse ellipse_at(const Place& place, const Covariance& P, const EllipseCap& cap) {
-  Ellipse e = ellipse(place_of(place)->template head<2>(), P.template topLeftCorner<2, 2>(), kSigmas);
+  Ellipse e = ellipse(position_of(place)->template head<2>(), P.template topLeftCorner<2, 2>(), kSigmas);
   e.half_axes = e.half_axes.cwiseMin(cap.half_axis);
   return e;
 }
 
-/// Those whose ellipse, or ellipsoid, has a half axis longer than this.
+/// The number of covariances whose ellipse, or ellipsoid, has a half axis longer than this.
 template <int Dim, typename Covariances>
 std::size_t count_larger(const Covariances& covariances, double half_axis) {
   return static_cast<std::size_t>(std::ranges::count_if(covariances, [&](const auto& P) {
@@ -41,7 +42,7 @@ std::size_t count_larger(const Covariances& covariances, double half_axis) {
   }));
 }
 
-/// Where local maps end, or else of some poses evenly among all.
+/// The ellipses of the poses where local maps end or, without local maps, of some poses evenly among all.
 template <int Dim>
 std::vector<Ellipse> pose_ellipses(const PlottedMap<Dim>& plotted, const EllipseCap& cap) {
   std::vector<Ellipse> ellipses;
@@ -63,7 +64,7 @@ std::vector<Ellipse> feature_ellipses(const GlobalMap<Dim>& map, const EllipseCa
   return ellipses;
 }
 
-/// One layer for each class, the finer the more lines it has.
+/// One layer for each class of links, the finer the more lines it has.
 template <int Dim>
 std::vector<Layer> link_layers(const PlottedMap<Dim>& plotted) {
   const GlobalMap<Dim>& map = plotted.map;
@@ -117,7 +118,7 @@ void add_single(const PlottedMap<Dim>& plotted, std::vector<Layer>& layers) {
   add_links(true);
 }
 
-/// By its robot, where there are several, else by its poses.
+/// The name of a session: by its robot if there are several, otherwise by its poses.
 std::string name_of(const Session& session, const PoseIds& ids, bool has_robots) {
   const PoseId& first = ids[session.begin];
   return has_robots ? fmt::format("session {}", first.session)
@@ -166,7 +167,7 @@ template <int Dim>
 std::vector<Layer> map_layers(const std::vector<PlottedMap<Dim>>& maps, const Truth<Dim>* truth) {
   std::vector<Layer> layers;
   if (maps.size() == 1) add_single(maps.front(), layers);
-  // The first one on top.
+  // The first map is on top.
   for (std::size_t m = maps.size(); m-- > 0 && maps.size() > 1;) {
     const GlobalMap<Dim>& map = maps[m].map;
     layers.push_back({maps[m].name,

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <apps/picture/plotted_map.hpp>
+#include <apps/position.hpp>
 #include <apps/truth_file.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/model/lists.hpp>
 
 namespace mapjoin::apps {
 namespace {
 
-/// Where nothing ties poses together, those of one robot are taken for its path.
+/// Sessions by the names of poses that no odometry ties: those of one robot are taken for its path.
 std::vector<Session> sessions_by_name(const PoseIds& poses) {
   std::vector<Session> sessions;
   for (const PoseIndex p : indices(poses)) {
@@ -30,7 +34,7 @@ Table<PoseIndex, Pose<Dim>> starts_of(const Log<Dim>& log) {
   return poses;
 }
 
-/// Each feature where it was seen first.
+/// The features at their first observations.
 template <int Dim>
 Table<FeatureIndex, Point<Dim>> first_seen(const Log<Dim>& log, const Table<PoseIndex, Pose<Dim>>& poses) {
   Table<FeatureIndex, Point<Dim>> features(log.features.size(), Point<Dim>::Zero());
@@ -42,7 +46,7 @@ Table<FeatureIndex, Point<Dim>> first_seen(const Log<Dim>& log, const Table<Pose
   return features;
 }
 
-/// Per pose the local map that starts at or contains it, if any; the last one of a session has its end pose, too.
+/// For each pose the local map that starts at or contains it, if any; the last one of a session has its end pose, too.
 Table<PoseIndex, std::optional<std::size_t>> map_of_pose(const std::vector<MapFit>& fits, std::size_t poses) {
   Table<PoseIndex, std::optional<std::size_t>> map(poses);
   for (std::size_t m = fits.size(); m-- > 0;) {
@@ -52,7 +56,17 @@ Table<PoseIndex, std::optional<std::size_t>> map_of_pose(const std::vector<MapFi
   return map;
 }
 
-/// The covariance of a step of a pose, whose translation is in the frame of the map.
+/// The poses of a map with times.
+template <int Dim>
+std::vector<StampedPose> stamped_poses(const GlobalMap<Dim>& map) {
+  std::vector<StampedPose> stamped;
+  for (const PoseIndex p : indices(map.poses)) {
+    stamped.push_back({1e-9 * static_cast<double>(map.stamps_ns[p]), in_space(map.poses[p])});
+  }
+  return stamped;
+}
+
+/// Turns the covariance of a step of a pose, whose translation is in the frame of the map, by `R`.
 template <int Dim>
 void turn(const Matrix<Dim>& R, PoseMatrix<Dim>& P) {
   P.template topRows<Dim>() = R * P.template topRows<Dim>().eval();
@@ -130,25 +144,34 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const SubmapSet<Dim>& set)
 }
 
 template <int Dim>
-std::optional<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first) {
+Expected<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first) {
   std::vector<Point<Dim>> from, to;
   const auto add_known = [&](const auto& of_truth, const auto& of_first) {
     for (const auto k : indices(of_truth)) {
       if (!of_truth[k]) continue;
-      from.push_back(*place_of(of_truth[k]));
-      to.push_back(*place_of(of_first[k]));
+      from.push_back(*position_of(of_truth[k]));
+      to.push_back(*position_of(of_first[k]));
     }
   };
   add_known(truth.poses, first.poses);
   add_known(truth.features, first.features);
-  return rigid_alignment(from, to);
+  const auto frame = rigid_alignment(from, to);
+  if (!frame) return bad_input("shares too little with the first map to be aligned with it");
+  return *frame;
 }
 
 template <int Dim>
-std::optional<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first) {
-  return alignment(
-      Truth<Dim>{by_name(map.pose_ids, map.poses, first.pose_ids), by_name(map.feature_ids, map.features, first.feature_ids)},
-      first);
+Expected<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first) {
+  auto features = by_name(map.feature_ids, map.features, first.feature_ids);
+  if (!map.stamps_ns.empty() && !first.stamps_ns.empty()) {
+    if (are_counted(map.pose_ids)) {
+      return by_time<Dim>(stamped_poses(map), first.pose_ids, first.stamps_ns, kMatchingTimes).and_then([&](auto&& poses) {
+        return alignment(Truth<Dim>{std::move(poses), std::move(features)}, first);
+      });
+    }
+    if (are_counted(first.pose_ids)) return alignment(first, map).map([](const Pose<Dim>& frame) { return inverse(frame); });
+  }
+  return alignment(Truth<Dim>{by_name(map.pose_ids, map.poses, first.pose_ids), std::move(features)}, first);
 }
 
 template <int Dim>
@@ -177,8 +200,8 @@ void move(const Pose<Dim>& frame, Truth<Dim>& truth) {
 #define MAPJOIN_INSTANTIATE(Dim)                                                                         \
   template Table<PoseIndex, Pose<Dim>> dead_reckoning(const Log<Dim>&, Table<PoseIndex, Pose<Dim>>);     \
   template std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>&, const Log<Dim>&); \
-  template std::optional<Pose<Dim>> alignment(const GlobalMap<Dim>&, const GlobalMap<Dim>&);             \
-  template std::optional<Pose<Dim>> alignment(const Truth<Dim>&, const GlobalMap<Dim>&);                 \
+  template Expected<Pose<Dim>> alignment(const GlobalMap<Dim>&, const GlobalMap<Dim>&);                  \
+  template Expected<Pose<Dim>> alignment(const Truth<Dim>&, const GlobalMap<Dim>&);                      \
   template void move(const Pose<Dim>&, PlottedMap<Dim>&);                                                \
   template void move(const Pose<Dim>&, Truth<Dim>&);                                                     \
   template PlottedMap<Dim> plotted(const Log<Dim>&);                                                     \

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Maps with all that a picture or a page of them shows, in one frame; the layers of a picture of them, and a page.
+// Maps with everything that a picture or a page shows, in one frame; the layers of a picture of them, and a page.
 
 #include <apps/picture/links.hpp>
 #include <apps/picture/picture.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/submap_set.hpp>
@@ -16,44 +17,44 @@
 
 namespace mapjoin::apps {
 
-/// A local map within a map: how it fits, with the poses from its base to its end, and the features that it saw.
+/// A local map within a map: its fit, with its base and end poses, and the features that it saw.
 struct PlottedLocalMap {
   MapFit fit;
   std::vector<FeatureIndex> features;
 };
 
-/// The join of the first maps of several: the poses that it held, and where they and its features were.
+/// The join of the first of several local maps: its poses, and the estimates of these and of its features.
 template <int Dim>
 struct JoinStop {
   std::size_t maps = 0;
   double chi2 = 0.0;
   Table<PoseIndex, PoseIndex> poses;
-  Values<Dim> state;  ///< Poses by place in `poses`; the features in no order.
+  Values<Dim> state;  ///< Poses by their place in `poses`; features in no order.
 };
 
 template <int Dim>
 struct PlottedMap {
-  std::string name;  ///< In a legend.
+  std::string name;  ///< Name in a legend.
   GlobalMap<Dim> map;
-  std::vector<Session> sessions;         ///< Poses that a line goes through.
-  Table<PoseIndex, Pose<Dim>> odometry;  ///< Composed from odometry alone; empty where that is not known.
-  /// Closures, then observations, each in the order of the log, of odometry alone closures only; then those that were rejected.
+  std::vector<Session> sessions;         ///< Runs of poses that a line goes through.
+  Table<PoseIndex, Pose<Dim>> odometry;  ///< Poses composed from odometry alone; empty if unknown.
+  /// Closures, then observations (if the map is more than odometry), each in the order of the log; then rejected ones.
   std::vector<Link> links;
-  std::vector<PlottedLocalMap> local_maps;  ///< In their order; empty where they are not known.
-  std::vector<JoinStop<Dim>> stops;         ///< On the way of joining map after map; empty where it was not watched.
-  bool is_odometry = false;                 ///< `map` is composed from odometry and first observations, for want of more.
+  std::vector<PlottedLocalMap> local_maps;  ///< Local maps in their order; empty if unknown.
+  std::vector<JoinStop<Dim>> stops;         ///< Stops of joining map after map; empty if not recorded.
+  bool is_odometry = false;  ///< True if `map` is composed from odometry and first observations, for want of more.
 };
 
 using AnyPlottedMap = std::variant<PlottedMap<2>, PlottedMap<3>>;
 
-/// The poses composed from odometry alone, each session from where `poses` has its first one.
+/// The poses composed from odometry alone, each session from its first pose in `poses`.
 template <int Dim>
 Table<PoseIndex, Pose<Dim>> dead_reckoning(const Log<Dim>& log, Table<PoseIndex, Pose<Dim>> poses);
 
-/// A log by the values that its file gives to poses and features, else by odometry and first observations.
+/// A log by the values that its file gives to poses and features; otherwise by odometry and first observations.
 template <int Dim>
 PlottedMap<Dim> plotted(const Log<Dim>& log);
-/// What came of a log, or of a set of local maps.
+/// The map joined from a log or a set of local maps.
 template <int Dim>
 PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log);
 template <int Dim>
@@ -66,57 +67,59 @@ std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits,
 template <int Dim>
 struct Scene {
   std::vector<PlottedMap<Dim>> maps;  ///< At least one.
-  std::optional<Truth<Dim>> truth;    ///< Over the poses and features of the first map.
+  std::optional<Truth<Dim>> truth;    ///< Truth of the poses and features of the first map.
 };
 
 using AnyScene = std::variant<Scene<2>, Scene<3>>;
 
-/// The rigid motion that best takes `map`, and the truth of a map, onto `first`, by the places of what both know; nothing where
-/// that does not determine one.
+/// The rigid motion that best takes `map`, or the truth, onto `first`, by the positions that both have. Poses of two maps are
+/// the same if their names are or, if both maps have times and one only counts its poses, if their times are. An error, in a
+/// clause, if the positions do not determine a motion, and as for by_time().
 template <int Dim>
-std::optional<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first);
+Expected<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first);
 template <int Dim>
-std::optional<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first);
+Expected<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first);
 
-/// The same map seen from another frame: moved by `frame`.
+/// Moves a map, or the truth, by the rigid motion `frame`.
 template <int Dim>
 void move(const Pose<Dim>& frame, PlottedMap<Dim>& plotted);
 template <int Dim>
 void move(const Pose<Dim>& frame, Truth<Dim>& truth);
 
-/// What has one colour of a trajectory.
+/// The sessions that are drawn in one colour.
 struct Trajectory {
-  std::string name;  ///< In a legend.
+  std::string name;  ///< Name in a legend.
   std::string colour;
   std::vector<Session> sessions;
 };
 
-/// Each session, or where poses are of several robots each of these, in a colour of its own; of very many some share one.
+/// The trajectories: each session or, with several robots, each robot in a colour of its own; if there are very many, some
+/// share one.
 template <int Dim>
 std::vector<Trajectory> trajectories_of(const PlottedMap<Dim>& plotted);
 
-/// Ellipses of three standard deviations, of which none is drawn larger than the map.
+/// The cap on ellipses of three standard deviations: none is drawn larger than the map.
 struct EllipseCap {
-  double half_axis = 0.0;    ///< The longest that is drawn (m).
-  std::size_t poses = 0;     ///< Those whose ellipses are larger,
-  std::size_t features = 0;  ///< and features.
+  double half_axis = 0.0;    ///< Longest half axis that is drawn (m).
+  std::size_t poses = 0;     ///< Number of poses with larger ellipses.
+  std::size_t features = 0;  ///< Number of features with larger ellipses.
 
-  std::string in_words() const;  ///< What to say of them; empty where there are none.
+  std::string in_words() const;  ///< A sentence on larger ellipses; empty if there are none.
 };
 
-/// In a legend.
+/// The name of ellipses in a legend.
 std::string name_of_ellipses(const std::string& things, std::size_t capped);
 
 template <int Dim>
 EllipseCap ellipse_cap(const GlobalMap<Dim>& map);
 
-/// A single map with all that is known of it: sessions or, of a single one, local maps in colours of their own, where they end,
-/// closures and observations by their residuals, features, ellipses. Several maps each in one colour. `truth`, over the first
-/// map's poses and features, may be null. At least one map, all in one frame.
+/// The layers of a picture of one map or several, all in one frame. A single map has all that is known of it: sessions or, if
+/// it has only one, local maps in colours of their own, with their ends; closures and observations by their residuals;
+/// features; ellipses. Several maps have one colour each. `truth`, of the first map's poses and features, may be null.
 template <int Dim>
 std::vector<Layer> map_layers(const std::vector<PlottedMap<Dim>>& maps, const Truth<Dim>* truth);
 
-/// One self-contained page to look around in a scene: three.js and the scripts of viewer/, and the scene as data.
+/// A self-contained page to look around in a scene: three.js, the scripts of viewer/, and the scene as data.
 template <int Dim>
 std::string viewer_page(const Scene<Dim>& scene, const std::string& title);
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <apps/exit_code.hpp>
 #include <apps/picture/links.hpp>
-#include <apps/picture/log_names.hpp>
-#include <apps/picture/table_lines.hpp>
 #include <apps/report/run_report.hpp>
 #include <apps/report/verdict.hpp>
+#include <mapjoin/io/files/csv_text.hpp>
+#include <mapjoin/io/run_folder.hpp>
 #include <string_view>
 
 namespace mapjoin::apps {
+
 namespace fs = std::filesystem;
 
 void add_rejected_links(const RunReport& run_report, std::vector<Link>& links) {
@@ -15,18 +17,15 @@ void add_rejected_links(const RunReport& run_report, std::vector<Link>& links) {
   }
 }
 
-template <int Dim>
-void add_rejected_links(const fs::path& folder, const GlobalMap<Dim>& map, std::vector<Link>& links) {
-  const fs::path file = folder / "rejected.csv";
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored)) return;
-  const LogNames names = LogNames::of_run(folder, map);
-  const auto found = [&](const auto& id) {
-    const auto index = names(id);
-    if (!index) fail_not_of_map(file);
-    return *index;
+void add_rejected_links(const fs::path& file, const PoseIds& poses, const FeatureIds& features, std::vector<Link>& links) {
+  const auto found = [&](const auto& index_of, const auto& id) {
+    const auto index = index_of(id);
+    if (!index) demand(not_of_map_beside(file));
+    return index.value();
   };
-  each_line(file, [&](TextScanner& line, const std::string&) {
+  const IndexOf pose_of(poses);
+  const IndexOf feature_of(features);
+  demand(each_row(file, [&](const std::vector<std::string>&, TextScanner& line) {
     const std::string_view kind = line.word();
     if (kind == kFix) return;
     const bool is_observation = kind == to_string(PartKind::kObservation);
@@ -34,18 +33,13 @@ void add_rejected_links(const fs::path& folder, const GlobalMap<Dim>& map, std::
     const std::uint64_t to = line.key();
     for (int column = 0; column < 3; ++column) line.word();  // chi2, probability, why
     const auto session = [&] { return read_session(line); };
-    const PoseIndex base = found(PoseId{session(), from});
+    const PoseIndex base = found(pose_of, PoseId{session(), from});
     if (is_observation) {
-      links.push_back({base, found(FeatureId{to}), true});
+      links.push_back({base, found(feature_of, FeatureId{to}), true});
     } else {
-      links.push_back({base, found(PoseId{session(), to}), true});
+      links.push_back({base, found(pose_of, PoseId{session(), to}), true});
     }
-  });
+  }));
 }
-
-#define MAPJOIN_INSTANTIATE(Dim) template void add_rejected_links(const fs::path&, const GlobalMap<Dim>&, std::vector<Link>&);
-MAPJOIN_INSTANTIATE(2)
-MAPJOIN_INSTANTIATE(3)
-#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin::apps

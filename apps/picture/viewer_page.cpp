@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene is JSON whose numbers are base64 of little-endian arrays; places are 32-bit floats about the middle of the first
+// The scene is JSON whose numbers are base64 of little-endian arrays; positions are 32-bit floats about the middle of the first
 // map, which is given in full: they then tell a micrometre at ten metres.
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <apps/picture/markup.hpp>
 #include <apps/picture/plotted_map.hpp>
+#include <apps/position.hpp>
 #include <apps/report/json.hpp>
 #include <array>
 #include <boost/algorithm/string/replace.hpp>
@@ -17,7 +18,7 @@
 
 namespace mapjoin::apps {
 
-// By cmake/embed.cmake, from viewer/ and from Debian's libjs-three.
+// Embedded by cmake/embed.cmake, from viewer/ and from Debian's libjs-three.
 namespace embedded {
 extern const std::string_view viewer_style;
 extern const std::string_view viewer_body;
@@ -26,7 +27,7 @@ extern const std::string_view viewer_scripts;
 
 namespace {
 
-/// A number, or a member that is one, of everything in a list.
+/// The numbers in a list, or a numeric member of its items, as base64.
 template <typename Number, typename List, typename Member = std::identity>
 std::string packed(const List& list, Member member = {}) {
   std::vector<Number> numbers;
@@ -34,13 +35,13 @@ std::string packed(const List& list, Member member = {}) {
   return base64(numbers);
 }
 
-/// Three numbers per pose or point, in the plane with z = 0; NaN where it is not known.
+/// Three numbers per pose or point, about `centre`, with z = 0 in the plane; NaN if unknown.
 template <int Dim, typename List>
 std::string places_of(const List& list, const Point<Dim>& centre) {
   std::vector<float> numbers;
   for (const auto& one : list) {
     Point<3> place = Point<3>::Constant(std::numeric_limits<double>::quiet_NaN());
-    if (const auto* known = place_of(one)) {
+    if (const auto* known = position_of(one)) {
       place.setZero();
       place.template head<Dim>() = *known - centre;
     }
@@ -49,20 +50,20 @@ std::string places_of(const List& list, const Point<Dim>& centre) {
   return base64(numbers);
 }
 
-/// Per pose, or nothing where all are of session 0.
+/// The session of each pose; empty if all are of session 0.
 std::string robots_of(const std::vector<PoseId>& ids) {
   const bool is_one = std::all_of(ids.begin(), ids.end(), [](const PoseId& id) { return id.session == 0; });
   return is_one ? "" : packed<std::uint32_t>(ids, &PoseId::session);
 }
 
-/// Headings in the plane; in space none are shown.
+/// Headings in the plane; empty in space.
 template <int Dim>
 std::string headings_of(const std::vector<Pose<Dim>>& poses) {
   if constexpr (Dim == 3) return "";
   if constexpr (Dim == 2) return packed<float>(poses, [](const auto& pose) { return wrap_angle(pose.rotation.angle()); });
 }
 
-/// Upper triangles, row by row.
+/// Upper triangles of covariances, row by row.
 template <typename Covariance>
 std::string triangles_of(const std::vector<Covariance>& covariances) {
   std::vector<double> entries;
@@ -72,7 +73,7 @@ std::string triangles_of(const std::vector<Covariance>& covariances) {
   return packed<float>(entries);
 }
 
-/// The features of all maps stand in one list; offsets say where each map's begin.
+/// The local maps as JSON: their features stand in one list, and offsets say where each map's begin.
 Json local_maps_of(const std::vector<PlottedLocalMap>& maps) {
   std::vector<FeatureIndex> features;
   std::vector<MapFit> fits;
@@ -105,7 +106,7 @@ Json stops_of(const std::vector<JoinStop<Dim>>& stops, const Point<Dim>& centre)
   return list;
 }
 
-/// The classes that have links: how they are drawn, and the ends of each, where features count on from the poses.
+/// The classes that have links: their style, and the ends of each link, with features counted on from the poses.
 template <int Dim>
 Json links_of(const PlottedMap<Dim>& plotted) {
   std::array<std::vector<std::size_t>, kLinkClasses.size()> ends;
@@ -169,7 +170,7 @@ Json map_of(const PlottedMap<Dim>& plotted, const Point<Dim>& centre) {
           {"stops", stops_of(plotted.stops, centre)}};
 }
 
-/// Without a `<`, so that it can stand in a script element.
+/// The scene as JSON without a `<`, so that it can stand in a script element.
 template <int Dim>
 std::string scene_json(const Scene<Dim>& scene, const std::string& title) {
   Eigen::AlignedBox<double, Dim> box;

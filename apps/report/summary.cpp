@@ -182,8 +182,7 @@ void add_notes(const RunReport& run_report, Lines& lines) {
                    plural(run_report.counts.shared_features, "feature has its id", "features have their ids")));
   note(!run_report.association_is_settled,
        "the association of features had not come to rest when its joins were used up: some may still be two that are one, or "
-       "one "
-       "that are two; `mapjoin run` without --associate goes by their ids");
+       "one that are two; `mapjoin run` without --associate goes by their ids");
   note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   note(!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory),

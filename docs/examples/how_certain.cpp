@@ -5,10 +5,13 @@
 #include <mapjoin/mapjoin.hpp>
 #include <variant>
 
-int main(int, char** argv) {
+int main(int argc, char** argv) {
   using namespace mapjoin;
-  const auto read = open_log(argv[1]);
-  if (!read || !std::holds_alternative<Log<2>>(*read)) return 1;
+  const auto read = open_log(argc > 1 ? argv[1] : "log.g2o");
+  if (!read || !std::holds_alternative<Log<2>>(*read)) {
+    std::cerr << (read ? "the log is not in the plane" : read.error().message) << '\n';
+    return 1;
+  }
   const auto& log = std::get<Log<2>>(*read);
 
   RunOptions options;

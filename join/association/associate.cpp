@@ -4,6 +4,7 @@
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/identity_search.hpp>
 #include <mapjoin/join/association/tracking.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numeric>
 #include <utility>
@@ -11,7 +12,7 @@
 namespace mapjoin {
 namespace {
 
-/// Observations of a segment, or somewhat more: enough to know its features well, few enough for the odometry between them.
+/// Observations per segment, or slightly more: enough to estimate its features well, few enough for accurate odometry.
 constexpr std::size_t kObservationsPerSegment = 150;
 
 /// The points that every pose or local map sees at once.
@@ -28,7 +29,7 @@ std::vector<std::vector<Point<Dim>>> seen_at_once(std::span<const FeatureFactor<
   return sets;
 }
 
-/// So many poses a segment that it has about kObservationsPerSegment.
+/// Splits a log into segments of equally many poses, with about kObservationsPerSegment observations each.
 template <int Dim>
 Split split_evenly(const Log<Dim>& log) {
   const std::size_t observations = std::max<std::size_t>(1, log.observations().size());
@@ -37,10 +38,23 @@ Split split_evenly(const Log<Dim>& log) {
 }
 
 tl::unexpected<Error> of_named_prior(const std::string& source) {
-  return bad_input(source + ": has a prior of a feature, which goes by its name, and names are ignored by --associate");
+  return bad_input(
+      source +
+      ": has a prior of a feature, which --associate cannot find by its name again; leave out that prior, or --associate");
 }
 
-/// All observations, segment by segment; their features are numbered through.
+/// The error of joining what is known to be the same so far, in words of its cause if observations give no positions.
+template <int Dim>
+Error error_of_estimate(const std::string& source, std::span<const FeatureFactor<Dim>> observations, Error error) {
+  const auto has_position = [](const auto& o) { return information_rank<Dim>(o.information) == Dim; };
+  if (error.kind != ErrorKind::kBadInput || std::ranges::all_of(observations, has_position)) return error;
+  error.message = source +
+                  ": observations of ranges or bearings alone leave features free to move as long as --associate does not "
+                  "know which are the same: it needs observations that give positions; where ids hold, leave it out";
+  return error;
+}
+
+/// Tracks all observations, segment by segment; features are numbered consecutively over all segments.
 template <int Dim>
 std::vector<Tracked> tracked(const Log<Dim>& log, const Split& split, const NeighbourDensity<Dim>& density,
                              const AssociationOptions& options, const std::stop_token& stop) {
@@ -69,7 +83,7 @@ struct Seen {
   FeatureIndex name;
 };
 
-/// Sightings by their labels or, where names hold, by these: whatever hangs together has one feature under one name.
+/// Identities by `labels` or, if names hold, by names: a name is then one feature within each part.
 template <typename Data>
 Identities identities_of(const Data& data, const std::vector<Seen>& seen, std::vector<Sighting> sightings,
                          std::vector<std::size_t> labels, const AssociationOptions& options) {
@@ -142,7 +156,11 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
     }
     if (stop.stop_requested()) return interrupted("associating");
   }
-  const auto estimate = [&](const Identities& known) { return estimate_of(renamed(log, known), split, stop); };
+  const auto estimate = [&](const Identities& known) {
+    return estimate_of(renamed(log, known), split, stop).map_error([&](Error error) {
+      return error_of_estimate(log.source, log.observations(), std::move(error));
+    });
+  };
   return found_in(log, identities_of(log, seen, sightings_of(log, split), std::move(labels), options), std::move(matches),
                   density, options, estimate, seen, stop);
 }
@@ -165,7 +183,11 @@ Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const 
   for (const auto& observation : set.graph.feature_factors) seen.push_back({observation.base, observation.target});
   std::vector<std::size_t> labels(seen.size());
   std::iota(labels.begin(), labels.end(), std::size_t{0});
-  const auto estimate = [&](const Identities& known) { return estimate_of(renamed(set, known), stop); };
+  const auto estimate = [&](const Identities& known) {
+    return estimate_of(renamed(set, known), stop).map_error([&](Error error) {
+      return error_of_estimate<Dim>(set.source, set.graph.feature_factors, std::move(error));
+    });
+  };
   return found_in(set, identities_of(set, seen, sightings_of(set), std::move(labels), options),
                   std::vector<std::optional<Match>>(seen.size()), density, options, estimate, seen, stop);
 }

@@ -16,19 +16,7 @@ FeatureIds names(const Identities& identities) {
   return names;
 }
 
-/// Holds the first pose of each part, where there are several, but that of the one that the World ties.
-template <int Dim, typename Data>
-PartNumbers held_in_parts(Data& data) {
-  PartNumbers parts = part_numbers_of(data);
-  if (parts.first_poses.size() == 1) return parts;
-  for (std::uint32_t k = 0; k < parts.first_poses.size(); ++k) {
-    if (k != parts.in_world) data.graph.fixed.push_back({parts.first_poses[k], {}});
-  }
-  std::ranges::sort(data.graph.fixed, {}, &FixedPose<Dim>::pose);
-  return parts;
-}
-
-/// Joins the submap graph of `data`, and takes its covariances.
+/// The join of the submap graph of `data`, with covariances.
 template <int Dim, typename Data>
 Expected<FeatureEstimate<Dim>> joined(PartNumbers parts, std::shared_ptr<const Data> data, const SubmapGraph<Dim>& graph,
                                       const std::stop_token& stop) {
@@ -54,7 +42,7 @@ PartNumbers part_numbers_of(const Data& data) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   const TieVertices of = vertices_of(data);
   const std::vector<std::uint32_t> component = components_of(make_graph(of.size(), ties_of(data)));
-  std::vector<std::uint32_t> number(component.size(), kNone);  // of components
+  std::vector<std::uint32_t> number(component.size(), kNone);  // by component
   PartNumbers parts;
   for (const PoseIndex p : indices(data.poses)) {
     std::uint32_t& part = number[component[of.pose(p)]];
@@ -67,6 +55,17 @@ PartNumbers part_numbers_of(const Data& data) {
   for (const FeatureIndex f : indices(data.features)) parts.of_feature.push_back(number[component[of.feature(f)]]);
   const std::uint32_t world = number[component[TieVertices::kWorldVertex]];
   if (world != kNone) parts.in_world = world;
+  return parts;
+}
+
+template <typename Data>
+PartNumbers hold_parts(Data& data) {
+  PartNumbers parts = part_numbers_of(data);
+  if (parts.first_poses.size() == 1) return parts;
+  for (std::uint32_t k = 0; k < parts.first_poses.size(); ++k) {
+    if (k != parts.in_world) data.graph.fixed.push_back({parts.first_poses[k], {}});
+  }
+  std::ranges::sort(data.graph.fixed, {}, [](const auto& fixed) { return fixed.pose; });
   return parts;
 }
 
@@ -120,7 +119,7 @@ Log<Dim> renamed(Log<Dim> log, const Identities& identities) {
 
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_token& stop) {
-  PartNumbers parts = held_in_parts<Dim>(set);
+  PartNumbers parts = hold_parts(set);
   auto data = std::make_shared<const SubmapSet<Dim>>(std::move(set));
   auto estimate = joined(std::move(parts), data, submap_graph_of(*data), stop);
   if (!estimate) return estimate;
@@ -132,7 +131,7 @@ Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_t
 
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim> log, Split split, const std::stop_token& stop) {
-  PartNumbers parts = held_in_parts<Dim>(log);
+  PartNumbers parts = hold_parts(log);
   auto data = std::make_shared<const Log<Dim>>(std::move(log));
   auto built = build_local_maps(*data, split, {}, stop);
   if (!built) return tl::unexpected(built.error());
@@ -145,6 +144,8 @@ Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim> log, Split split, const std:
 #define MAPJOIN_INSTANTIATE(Dim)                                                               \
   template PartNumbers part_numbers_of(const SubmapSet<Dim>&);                                 \
   template PartNumbers part_numbers_of(const Log<Dim>&);                                       \
+  template PartNumbers hold_parts(SubmapSet<Dim>&);                                            \
+  template PartNumbers hold_parts(Log<Dim>&);                                                  \
   template std::vector<Sighting> sightings_of(const SubmapSet<Dim>&);                          \
   template std::vector<Sighting> sightings_of(const Log<Dim>&, const Split&);                  \
   template SubmapSet<Dim> renamed(SubmapSet<Dim>, const Identities&);                          \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The joined map of sightings whose features are taken to be known, with covariances.
+// The joined map of sightings under assumed associations, with covariances.
 
 #include <mapjoin/join/association/identities.hpp>
 #include <mapjoin/join/covariances/map_covariances.hpp>
@@ -30,32 +30,37 @@ SubmapSet<Dim> renamed(SubmapSet<Dim> set, const Identities& identities);
 template <int Dim>
 Log<Dim> renamed(Log<Dim> log, const Identities& identities);
 
-/// What hangs together: sessions that nothing ties are parts. Numbered from 0 in the order of their first poses.
+/// The connected components (parts) of poses and features, such as sessions that nothing ties together, numbered from 0 in the
+/// order of their first poses.
 struct PartNumbers {
   Table<PoseIndex, std::uint32_t> of_pose;
   Table<FeatureIndex, std::uint32_t> of_feature;
   std::vector<PoseIndex> first_poses;
-  std::optional<std::uint32_t> in_world;  ///< The part that fixed poses or priors tie to the World.
+  std::optional<std::uint32_t> in_world;  ///< The part that fixed poses or priors tie to the World; nullopt if none.
 };
 
-/// The parts of a log or a set, every feature of which is observed.
+/// The parts of a log or a set; each of its features must be observed.
 template <typename Data>
 PartNumbers part_numbers_of(const Data& data);
 
-/// A joined map and how certain it is.
+/// Anchors the first pose of each part if there are several, except of the one that the World ties; returns the parts.
+template <typename Data>
+PartNumbers hold_parts(Data& data);
+
+/// A joined map with its covariances.
 template <int Dim>
 struct FeatureEstimate {
-  std::shared_ptr<const void> data;  ///< That all else points into.
+  std::shared_ptr<const void> data;  ///< The log or set that the other members point into.
   std::unique_ptr<Restored<Dim>> restored;
   std::unique_ptr<const MapCovariances<Dim>> covariances;
   std::unique_ptr<const Marginals> marginals;
-  PartNumbers parts;               ///< Each in a frame of its own.
-  std::vector<bool> is_local_map;  ///< By map of the sightings; else they stand on their own.
-  double scale = 1.0;              ///< That covariances are to be multiplied by.
+  PartNumbers parts;               ///< The parts, each in a frame of its own.
+  std::vector<bool> is_local_map;  ///< False for a map of the sightings that is observations on their own.
+  double scale = 1.0;              ///< The factor by which covariances are to be multiplied.
 };
 
-/// Joins the local maps of a set, or of a log that is cut along `split`. Where nothing ties all of it together, the first pose
-/// of each part is held, but that of a part that the World ties. Errors as of join(); kInterrupted on `stop`.
+/// Joins the local maps of a set, or of a log cut along `split`, after hold_parts(). Errors as of join(); kInterrupted on
+/// `stop`.
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_token& stop);
 template <int Dim>

@@ -39,7 +39,8 @@ std::optional<Extension<Dim>> Hypothesis<Dim>::extension(const Pairing& pairing,
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Point<Dim> whitened = factor.matrixL().solve(difference);
   const double d2 = whitened.squaredNorm();
-  if (d2 > gates(Dim) || squared_distance() + d2 > gates(rows + Dim)) return std::nullopt;
+  const bool is_within = d2 <= gates(Dim) && squared_distance() + d2 <= gates(rows + Dim);  // false if S is not finite
+  if (!is_within) return std::nullopt;
   const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   const double log_likelihood = -0.5 * (d2 + log_determinant + Dim * std::log(2.0 * std::numbers::pi));
   const double apart = std::sqrt(difference.squaredNorm() + S.trace());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/association/map_matching.hpp>
@@ -32,8 +32,8 @@ bool MapMatching<Dim>::is_in(FeatureIndex feature, std::size_t map) const {
   return std::ranges::binary_search(identities_.features_in(map), feature);
 }
 
-/// Features that are seen by `map` or before it, and could be the same: the covariance of a difference is at most twice the sum
-/// of those of its terms.
+/// The features seen by `map` or before it that could be the same as `feature`: the covariance of a difference is at most twice
+/// the sum of those of its terms.
 template <int Dim>
 std::vector<FeatureIndex> MapMatching<Dim>::near(FeatureIndex feature, std::size_t map, bool only_neighbours) const {
   std::vector<FeatureIndex> found;
@@ -77,8 +77,10 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
       const PointMatrix<Dim> S = covariances_[open.features[k]] + covariances_[other] - C - C.transpose();
       const Point<Dim> d = position(other) - position(open.features[k]);
       const Eigen::LLT<PointMatrix<Dim>> factor(S);
-      if (factor.info() != Eigen::Success || Point<Dim>(factor.matrixL().solve(d)).squaredNorm() > gate_) continue;
-      candidates.push_back({other, per_deviation * std::sqrt(S.determinant()), S});
+      const double d2 = Point<Dim>(factor.matrixL().solve(d)).squaredNorm();
+      if (factor.info() != Eigen::Success || !(d2 <= gate_)) continue;  // S may not be finite
+      // √det S by its factor: det S itself may overflow.
+      candidates.push_back({other, per_deviation * factor.matrixLLT().diagonal().prod(), S});
     }
   }
   return open;
@@ -172,7 +174,7 @@ Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, cons
   return proposals;
 }
 
-/// Sightings of one map that were set aside, scan by scan, with what was seen more often or before.
+/// Matches the set-aside sightings of a map, scan by scan, with features of it that were seen more often or before.
 template <int Dim>
 Proposals MapMatching<Dim>::within(std::size_t map, const Open& open, Matcher<Dim>& matcher) const {
   std::map<std::size_t, std::vector<std::size_t>> scans;
@@ -204,7 +206,8 @@ Proposals MapMatching<Dim>::within(std::size_t map, const Open& open, Matcher<Di
 }
 
 template <int Dim>
-Proposals MapMatching<Dim>::of_map(std::size_t map, double reach, bool only_neighbours) const {
+Proposals MapMatching<Dim>::of_map(std::size_t map, double reach, bool only_neighbours, const std::stop_token& stop) const {
+  if (stop.stop_requested()) return {};
   const Open open = open_features(map, only_neighbours);
   std::set<std::size_t> earlier;
   for (const auto& candidates : open.candidates) {
@@ -215,6 +218,7 @@ Proposals MapMatching<Dim>::of_map(std::size_t map, double reach, bool only_neig
   Matcher<Dim> matcher(density_, method_, confidence_, static_cast<double>(identities_.sighting_count()));
   Proposals proposals = within(map, open, matcher);
   for (const std::size_t other : earlier) {
+    if (stop.stop_requested()) return {};
     if (other >= map || (only_neighbours && other + 1 < map)) continue;
     const Proposals more = of_pair(other, map, open, reach, matcher);
     proposals.probable.insert(proposals.probable.end(), more.probable.begin(), more.probable.end());
@@ -226,9 +230,7 @@ Proposals MapMatching<Dim>::of_map(std::size_t map, double reach, bool only_neig
 template <int Dim>
 Proposals MapMatching<Dim>::propose(double reach, bool only_neighbours, const std::stop_token& stop) const {
   std::vector<Proposals> of_maps(identities_.map_count());
-  parallel_for(of_maps.size(), [&](std::size_t map) {
-    if (!stop.stop_requested()) of_maps[map] = of_map(map, reach, only_neighbours);
-  });
+  parallel_for(of_maps.size(), [&](std::size_t map) { of_maps[map] = of_map(map, reach, only_neighbours, stop); });
   Proposals all;
   for (const Proposals& some : of_maps) {
     all.probable.insert(all.probable.end(), some.probable.begin(), some.probable.end());

@@ -8,15 +8,11 @@
 namespace mapjoin {
 namespace {
 
-/// The volume of a ball (disc).
+/// The volume of the ball (disc) of radius 1.
 template <int Dim>
-double ball(double radius) {
-  constexpr double kPi = std::numbers::pi;
-  return Dim == 2 ? kPi * radius * radius : 4.0 / 3.0 * kPi * radius * radius * radius;
-}
+constexpr double kUnitBall = (Dim == 2 ? 1.0 : 4.0 / 3.0) * std::numbers::pi;
 
-/// The volume of the ellipsoid that points fill evenly whose covariance is that of these: radii are √(Dim + 2) of its standard
-/// deviations.
+/// The volume of the evenly filled ellipsoid with the covariance of the points: its radii are √(Dim + 2) standard deviations.
 template <int Dim>
 double volume(std::span<const Point<Dim>> points) {
   Point<Dim> mean = Point<Dim>::Zero();
@@ -25,10 +21,11 @@ double volume(std::span<const Point<Dim>> points) {
   PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();
   for (const auto& p : points) covariance += (p - mean) * (p - mean).transpose();
   covariance /= static_cast<double>(points.size() - 1);
-  return ball<Dim>(std::sqrt(Dim + 2.0)) * std::sqrt(std::max(0.0, covariance.determinant()));
+  return kUnitBall<Dim> * std::pow(Dim + 2.0, 0.5 * Dim) * std::sqrt(std::max(0.0, covariance.determinant()));
 }
 
-/// Points over the volume that they fill: of every set that fills any, else of all sets laid over each other.
+/// The number of points over the volume that they fill: over all sets that are large enough, otherwise over all sets laid over
+/// each other.
 template <int Dim>
 double mean_density(std::span<const std::vector<Point<Dim>>> sets) {
   constexpr std::size_t kFewest = Dim + 2;
@@ -62,8 +59,10 @@ NeighbourDensity<Dim>::NeighbourDensity(std::span<const std::vector<Point<Dim>>>
 template <int Dim>
 double NeighbourDensity<Dim>::log_within(double distance) const {
   const auto pairs = std::ranges::upper_bound(distances_, distance) - distances_.begin();
-  const double within = 2.0 * (static_cast<double>(pairs) + 1.0) / (points_ * ball<Dim>(distance));
-  return std::log(std::min(within, overall_));
+  // Logarithms, as the volume may overflow if the distance is not known at all.
+  const double log_ball = std::log(kUnitBall<Dim>) + Dim * std::log(distance);
+  const double log_count = std::log(2.0 * (static_cast<double>(pairs) + 1.0) / points_);
+  return std::min(log_count - log_ball, std::log(overall_));
 }
 
 template class NeighbourDensity<2>;

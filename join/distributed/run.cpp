@@ -2,14 +2,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mapjoin/distributed/regions/region_problem.hpp>
 #include <mapjoin/distributed/regions/regions_in_turn.hpp>
 #include <mapjoin/distributed/run.hpp>
 #include <mapjoin/distributed/start.hpp>
+#include <mapjoin/join/assess.hpp>
 #include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/lists.hpp>
+#include <mapjoin/solve/memory_limit.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <optional>
 #include <tuple>
@@ -18,20 +21,21 @@
 namespace mapjoin::distributed {
 namespace {
 
-/// Makes room for the factor, unless it is too large.
+/// Makes room for the factor; kTooLarge if it takes more than `most_megabytes`.
 template <typename Problem>
 Expected<void> make_room(const Communicator& comm, Problem& problem, double most_megabytes) {
   const double fronts = comm.max(static_cast<double>(problem.factor_bytes()) / 1e6);
   const double separators = problem.solver().interface_megabytes();
   if (most_megabytes <= 0.0 || fronts + separators <= most_megabytes) return problem.solver().make_room();
+  const auto megabytes = [](double size) { return in_megabytes(std::llround(1e6 * size)); };
   return tl::unexpected(Error{
       ErrorKind::kTooLarge,
-      fmt::format("a rank's factor would take {:.0f} MB and its part of what regions share {:.0f} MB, more than the {:.0f} "
-                  "MB of --max-memory; take more ranks or --regions, or --out-of-core",
-                  fronts, separators, most_megabytes)});
+      fmt::format("a rank's factor would take {} and its part of what regions share {}, more than the {} of --max-memory; "
+                  "take more ranks or --regions, or --out-of-core",
+                  megabytes(fronts), megabytes(separators), megabytes(most_megabytes))});
 }
 
-/// What cannot be determined, by name, where it is of this rank.
+/// kBadInput, by name, if a pose or feature of this rank cannot be determined.
 template <int Dim>
 Expected<void> check_determined(const LogPart<Dim>& whole, const std::optional<PoseOrFeature>& singular) {
   if (!singular) return {};
@@ -40,7 +44,7 @@ Expected<void> check_determined(const LogPart<Dim>& whole, const std::optional<P
   return bad_input_of(whole.source, to_string(whole.features[std::get<FeatureIndex>(*singular)]) + " cannot be determined");
 }
 
-/// The map on the first rank. What several regions have is the same in all.
+/// The map on the first rank; empty on the others. Poses and features of several regions have the same value in each.
 template <int Dim, typename Problem>
 GlobalMap<Dim> gathered(const Communicator& comm, const LogPart<Dim>& whole, const std::vector<Region<Dim>>& regions,
                         const Problem& problem) {
@@ -112,14 +116,14 @@ Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPar
   result.map = gathered(comm, whole, regions.own, problem);
   result.dof = degrees_of_freedom(comm.sum(rows), whole, result.map.gauge.size());
   result.join_dof = result.dof;
-  return {};
+  return comm.agree(check_finite(result, whole.source));  // the map is on the first rank
 }
 
 template <int Dim>
 Expected<void> solve(const Communicator& comm, const Task& task, const LogPart<Dim>& whole, Regions<Dim>& regions,
                      Found<Dim>& found) {
-  // One region a rank is one system, but for ranks all of whose poses are fixed: all ranks call the solver, systems without
-  // unknowns do not.
+  // One region per rank is solved as one system, unless all poses of some rank are fixed: all ranks must call the solver, and a
+  // system without unknowns does not.
   const bool is_one_each = regions.per_rank == 1 && !comm.any(variables_of(regions.own.front()).size() == 0);
   return is_one_each ? solve_as<RegionProblem<Dim>>(comm, task, whole, regions, found)
                      : solve_as<RegionsInTurn<Dim>>(comm, task, whole, regions, found);
@@ -142,7 +146,7 @@ Expected<AnyFound> run_on(const Communicator& comm, const Task& task, MappedLog<
   return AnyFound(std::move(found));
 }
 
-/// By one schedule, not kAuto.
+/// Runs by one schedule, not kAuto.
 Expected<AnyFound> run_by(Schedule schedule, const Communicator& comm, AnyMappedLog log, Task task) {
   task.run.schedule = schedule;
   return std::visit([&](auto& any) { return run_on(comm, task, std::move(any)); }, log);
@@ -152,14 +156,14 @@ RunFigures& figures_of(AnyFound& found) {
   return std::visit([](auto& any) -> RunFigures& { return any.result; }, found);
 }
 
-/// What it took to build local maps.
+/// References to the figures of building local maps.
 auto built_of(LogFigures& log, RunFigures& figures) {
   return std::tie(log, figures.build_iterations, figures.seconds.build);
 }
 
-/// The map of the best of the ways that kAuto tries. `log` is for the first of them; the others read it again.
+/// The result of the best of the ways that kAuto tries. The first of them uses `log`; the others read it again.
 Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, AnyMappedLog log, const Task& task) {
-  // Who reads again may find the maps in stores: what it took to build them is of the first reading.
+  // A second reading may find the maps in stores: the figures of building them are those of the first.
   using Built = std::tuple<LogFigures, std::int64_t, double>;
   const Built built = std::visit([](auto& any) { return Built(built_of(any.log, any.figures)); }, log);
   std::optional<AnyMappedLog> first(std::move(log));

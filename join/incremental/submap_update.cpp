@@ -4,23 +4,30 @@
 #include <map>
 #include <mapjoin/join/align/leaf.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
+#include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/renumber.hpp>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
-/// The segment at which a pose is known.
-std::size_t segment_of(const std::vector<Segment>& segments, PoseIndex pose) {
-  const auto ends_at_or_after = [](const Segment& segment, PoseIndex p) { return segment.end < p; };
-  return static_cast<std::size_t>(std::lower_bound(segments.begin(), segments.end(), pose, ends_at_or_after) -
-                                  segments.begin());
+/// Throws std::invalid_argument with the fault that was found.
+void demand_sound(const Expected<void>& checked) {
+  if (!checked) throw std::invalid_argument(checked.error().message);
 }
 
-/// The number of the update that sees each feature first; of one that none sees, the last.
+/// The number of the segment with which a pose becomes known.
+std::size_t segment_of(const std::vector<Segment>& segments, PoseIndex pose) {
+  const auto segment = std::ranges::lower_bound(segments, pose, {}, &Segment::end);
+  if (segment == segments.end()) throw std::invalid_argument("a factor is of a pose behind the last segment");
+  return static_cast<std::size_t>(segment - segments.begin());
+}
+
+/// The number of the update that sees each feature first; the last one if none does.
 template <int Dim>
 Table<FeatureIndex, std::size_t> first_seen(const std::vector<SubmapUpdate<Dim>>& updates, std::size_t features) {
   Table<FeatureIndex, std::size_t> first(features, updates.size() - 1);
@@ -55,14 +62,14 @@ struct NewNames {
   Numbering<PoseIndex, PoseId> poses;
   Numbering<FeatureIndex, FeatureId> features;
 
-  /// From indices among `old_poses` and `old_features`.
+  /// Renumbers a graph from indices among `old_poses` and `old_features`.
   void renumber(FactorGraph<Dim>& graph, const PoseIds& old_poses, const FeatureIds& old_features) {
     mapjoin::renumber(graph, EachKind{[&](PoseIndex p) { return poses(old_poses[p]); },
                                       [&](FeatureIndex f) { return features(old_features[f]); }});
   }
 };
 
-/// From the indices among `poses` and `features` to the update's own.
+/// Renumbers an update from indices among `poses` and `features` to its own.
 template <int Dim>
 void name(const PoseIds& poses, const FeatureIds& features, SubmapUpdate<Dim>& update) {
   NewNames<Dim> names;
@@ -81,7 +88,7 @@ bool has_losses(const FactorGraph<Dim>& graph) {
   return std::ranges::any_of(graph.pose_factors, has_loss) || std::ranges::any_of(graph.feature_factors, has_loss);
 }
 
-/// Whether the local map, where the segment is one, keeps exactly its poses.
+/// True if the update has one segment at most, and its local map, if the segment is one, keeps exactly its poses.
 template <int Dim>
 bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
   if (update.segments.empty()) return update.graph.submaps.empty();
@@ -92,11 +99,11 @@ bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
   return update.graph.submaps.size() == 1 && keeps_all_of(update.graph.submaps.front(), segment);
 }
 
-/// A segment after the one whose last pose it begins with; updates without one behind all others.
+/// The updates with each segment after the one whose last pose it begins with, and those without a segment last.
 template <int Dim>
 std::vector<const SubmapUpdate<Dim>*> as_driven(const std::vector<const SubmapUpdate<Dim>*>& updates) {
   const auto stays = [](const SubmapUpdate<Dim>* update) { return first_pose(*update) == last_pose(*update); };
-  std::map<PoseId, std::vector<const SubmapUpdate<Dim>*>> by_first;  // the one that drives on behind those that stay
+  std::map<PoseId, std::vector<const SubmapUpdate<Dim>*>> by_first;  // per pose, the one that drives on behind those that stay
   std::set<PoseId> lasts;
   for (const auto* update : updates) {
     if (update->segments.empty()) continue;
@@ -109,7 +116,7 @@ std::vector<const SubmapUpdate<Dim>*> as_driven(const std::vector<const SubmapUp
   for (const auto* update : updates) {
     if (update->segments.empty() || lasts.contains(first_pose(*update))) continue;
     auto next = by_first.find(first_pose(*update));
-    if (next->second.front() != update) continue;  // that one has led here
+    if (next->second.front() != update) continue;  // the first one has led here
     while (next != by_first.end()) {
       append(driven, next->second);
       next = stays(next->second.back()) ? by_first.end() : by_first.find(last_pose(*next->second.back()));
@@ -125,6 +132,7 @@ std::vector<const SubmapUpdate<Dim>*> as_driven(const std::vector<const SubmapUp
 template <int Dim>
 std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Split& split,
                                                  const std::vector<LocalMap<Dim>>& maps) {
+  demand_sound(check_maps_of_split(log, split, maps));
   std::vector<SubmapUpdate<Dim>> updates;
   auto map = maps.begin();
   for (const Segment& segment : split.segments) {
@@ -153,6 +161,7 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
 
 template <int Dim>
 std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set) {
+  demand_sound(check_segments(set));
   std::vector<SubmapUpdate<Dim>> updates;
   auto map = set.graph.submaps.begin();
   for (const Segment& segment : set.segments) {

@@ -3,22 +3,23 @@
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/join/robust/doubtful_odometry.hpp>
 #include <mapjoin/join/run.hpp>
+#include <memory>
 #include <utility>
 #include <variant>
 
 namespace mapjoin {
 namespace {
 
-/// A step is doubtful where the evidence for it, a logarithm of odds, is below this: three loops speak against it.
+/// A step is doubtful if the evidence for it (log-odds) is below this: three loops contradict it.
 constexpr double kDoubtful = -3.0 * kMostOfAPair;
-/// Steps to either side of a doubtful one that are innocent till it is out.
+/// Steps to either side of a doubtful one that are not judged until it is cut.
 constexpr std::int32_t kNearby = 60;
 
-/// Steps that are tried: those that are spoken against most. The odds of closures must gain more than this without the step:
-/// those of both closures of three loops.
+/// Maximum number of suspected steps that are tried, those contradicted most. The log-odds of closures must gain more than
+/// kLeastGain without the step: those of both closures of three loops.
 constexpr std::size_t kMostTried = 3;
 constexpr double kLeastGain = 6.0 * kMostOfAPair;
-/// Verdicts on maps that are asked for odometry out of line.
+/// Maximum number of verdicts on maps after which the log is cut again.
 constexpr int kMostVerdicts = 3;
 
 /// The poses after the steps that are doubtful by their evidence, ascending; of neighbouring ones only the worst.
@@ -33,11 +34,10 @@ std::vector<PoseIndex> spoken_against(const Table<PoseIndex, double>& evidence) 
   return poses;
 }
 
-/// Steps that set closures against each other which others bear out: these may be right, and the step wrong.
+/// The poses after steps that set closures against each other, though others support both: these may be right, and the step
+/// wrong.
 template <int Dim>
-std::vector<PoseIndex> suspected_steps(const Log<Dim>& log, const std::stop_token& stop) {
-  const OdometryChain<Dim> chain(log);
-  const ClosureSupport<Dim> support(chain, log.closures(), stop);
+std::vector<PoseIndex> suspected_steps(const ClosureSupport<Dim>& support) {
   const Table<PoseIndex, double> evidence = support.evidence_for_steps(ClosureSupport<Dim>::Voices::kFor);
   std::vector<PoseIndex> poses = spoken_against(evidence);
   std::ranges::stable_sort(poses, {}, [&](PoseIndex p) { return evidence[p]; });
@@ -47,20 +47,32 @@ std::vector<PoseIndex> suspected_steps(const Log<Dim>& log, const std::stop_toke
   return poses;
 }
 
-/// What a search has found in a log, and the log, cut where fewer are rejected for it.
+/// Cuts a log at some poses, and then until no step is doubtful; returns the screening of the cut log.
 template <int Dim>
-void try_suspected_steps(Log<Dim>& cut, Inliers<Log<Dim>>& found, const SearchOf<Dim>& search, const std::stop_token& stop) {
-  if (found.rejected.empty()) return;
-  for (const PoseIndex p : suspected_steps(cut, stop)) {
+std::unique_ptr<Screening<Dim>> cut_at_doubtful_steps(Log<Dim>& cut, std::vector<PoseIndex> poses, double confidence,
+                                                      const std::stop_token& stop) {
+  for (;;) {
+    if (!poses.empty()) cut = cut_before(cut, poses);
+    auto screening = std::make_unique<Screening<Dim>>(cut, confidence, stop);
+    poses = doubtful_steps(screening->support);
+    if (poses.empty()) return screening;
+  }
+}
+
+/// Cuts a log at each of some steps if a search rejects fewer then; updates the log and what was found in it.
+template <int Dim>
+void try_steps(const std::vector<PoseIndex>& steps, double confidence, const SearchOf<Dim>& search, const std::stop_token& stop,
+               Log<Dim>& cut, Inliers<Log<Dim>>& found) {
+  for (const PoseIndex p : steps) {
     Log<Dim> tried = cut_before(cut, {p});
-    auto without = search(tried);
+    auto without = search(tried, Screening<Dim>(tried, confidence, stop));
     if (!without || without->rejected.size() >= found.rejected.size()) continue;
     cut = std::move(tried);
     found = std::move(*without);
   }
 }
 
-/// The poses to which the verdict on a map finds odometry out of line.
+/// The poses after odometry steps that the verdict on the map finds out of line, ascending.
 template <int Dim>
 Expected<std::vector<PoseIndex>> misfit_steps(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop) {
   RunOptions join;
@@ -75,7 +87,7 @@ Expected<std::vector<PoseIndex>> misfit_steps(const Log<Dim>& log, const RobustO
   });
 }
 
-/// Calls a closure odometry if it is in the log.
+/// Marks a rejected closure as odometry if it is an odometry step of the uncut log.
 template <int Dim>
 void name_odometry(const Log<Dim>& log, Misfit& misfit) {
   const auto* to = std::get_if<PoseIndex>(&misfit.to);
@@ -103,9 +115,7 @@ Log<Dim> cut_before(const Log<Dim>& log, const std::vector<PoseIndex>& poses) {
 }
 
 template <int Dim>
-std::vector<PoseIndex> doubtful_steps(const Log<Dim>& log, const std::stop_token& stop) {
-  const OdometryChain<Dim> chain(log);
-  const ClosureSupport<Dim> support(chain, log.closures(), stop);
+std::vector<PoseIndex> doubtful_steps(const ClosureSupport<Dim>& support) {
   return spoken_against(support.evidence_for_steps(ClosureSupport<Dim>::Voices::kAll));
 }
 
@@ -113,12 +123,14 @@ template <int Dim>
 Expected<Inliers<Log<Dim>>> without_doubtful_odometry(const Log<Dim>& log, const RobustOptions& options,
                                                       const SearchOf<Dim>& search, const std::stop_token& stop) {
   Log<Dim> cut = log;
-  std::vector<PoseIndex> doubtful = doubtful_steps(log, stop);
+  std::vector<PoseIndex> out_of_line;
   for (int rounds = 0;; ++rounds) {
-    for (; !doubtful.empty(); doubtful = doubtful_steps(cut, stop)) cut = cut_before(cut, doubtful);
-    auto found = search(cut);
+    const auto screening = cut_at_doubtful_steps(cut, std::move(out_of_line), options.confidence, stop);
+    auto found = search(cut, *screening);
     if (!found) return found;
-    try_suspected_steps(cut, *found, search, stop);
+    if (!found->rejected.empty()) {
+      try_steps(suspected_steps(screening->support), options.confidence, search, stop, cut, *found);
+    }
     if (stop.stop_requested()) return interrupted("rejecting");
     found->input.poses = log.poses;
     put_in_order(found->input);
@@ -129,13 +141,13 @@ Expected<Inliers<Log<Dim>>> without_doubtful_odometry(const Log<Dim>& log, const
       for (Rejected& rejected : found->rejected) name_odometry(log, rejected.misfit);
       return found;
     }
-    doubtful = std::move(*misfits);
+    out_of_line = std::move(*misfits);
   }
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                              \
   template Log<Dim> cut_before(const Log<Dim>&, const std::vector<PoseIndex>&);                                               \
-  template std::vector<PoseIndex> doubtful_steps(const Log<Dim>&, const std::stop_token&);                                    \
+  template std::vector<PoseIndex> doubtful_steps(const ClosureSupport<Dim>&);                                                 \
   template Expected<Inliers<Log<Dim>>> without_doubtful_odometry(const Log<Dim>&, const RobustOptions&, const SearchOf<Dim>&, \
                                                                  const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <mapjoin/join/run.hpp>
@@ -14,27 +16,26 @@
 namespace mapjoin {
 namespace {
 
-/// So many alignments are tried: of half wrong fixes, one of two right ones is missed with a probability of 1e-37, of three
-/// 2e-17.
+/// Number of alignments that are tried: if half of the fixes are wrong, all miss two right ones with a probability of 3e-38,
+/// three with 4e-18.
 constexpr int kAlignments = 300;
 /// Graduated non-convexity ends before a loss of this share, which is as good as cut off.
 constexpr double kSharpShare = 0.98;
 
-/// A log whose pose priors, all fixes, are doubtful.
+/// A search for outliers among the pose priors of a log, all of which are fixes, and `widest` the threshold of their chi2.
 template <int Dim>
 class FixSearch {
  public:
-  FixSearch(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop)
-      : log_(log), engine_(options.engine), stop_(stop), count_(static_cast<double>(log.pose_priors().size())) {
-    widest_ = chi_squared_upper_quantile((1.0 - options.confidence) / std::max(1.0, count_), Dim);
-  }
+  FixSearch(const Log<Dim>& log, double widest, Engine engine, const std::stop_token& stop)
+      : log_(log), widest_(widest), engine_(engine), stop_(stop) {}
 
-  Expected<std::vector<RejectedFix>> all() {
+  /// The chi2 of each fix; zeros if too few stand apart to tell.
+  Expected<std::vector<double>> chi2() {
     if (auto start = solve_without_fixes(); !start) return tl::unexpected(start.error());
     const auto alignment = least_median_alignment();
-    if (!alignment) return std::vector<RejectedFix>();
+    if (!alignment) return std::vector<double>(log_.pose_priors().size());
     log_.initial = moved(*alignment, std::move(log_.initial));
-    return graduate().and_then([&] { return settle(); }).map([&] { return rejected(); }).map_error([&](const Error& error) {
+    return graduate().and_then([&] { return settle(); }).map([&] { return costs(); }).map_error([&](const Error& error) {
       return error.kind == ErrorKind::kBadInput ? too_few() : error;
     });
   }
@@ -48,7 +49,7 @@ class FixSearch {
     return run(bare, options, stop_).map([&](RunResult<Dim>&& result) { take_values(std::move(result)); });
   }
 
-  /// Of the map onto the fixes; nothing where no few of them determine one.
+  /// The rigid motion of the map onto the fixes by least median of squares; nullopt if no sample determines one.
   std::optional<Pose<Dim>> least_median_alignment() const {
     std::vector<Point<Dim>> antennas;
     std::vector<Point<Dim>> measured;
@@ -62,7 +63,7 @@ class FixSearch {
     for (int k = 0; k < kAlignments; ++k) {
       std::vector<Point<Dim>> from, to;
       for (int i = 0; i < Dim; ++i) {
-        const auto chosen = static_cast<std::size_t>(random.uniform(0.0, count_));
+        const auto chosen = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(antennas.size())));
         from.push_back(antennas[chosen]);
         to.push_back(measured[chosen]);
       }
@@ -80,7 +81,7 @@ class FixSearch {
     return best;
   }
 
-  /// By graduated non-convexity, a step for each loss.
+  /// Solves by graduated non-convexity, with one step for each loss.
   Expected<void> graduate() {
     const double excess = std::ranges::max(costs()) / widest_;
     for (double share = first_share(excess); share < kSharpShare; share = sharper(share)) {
@@ -90,14 +91,14 @@ class FixSearch {
     return {};
   }
 
-  /// Solves with those that cost less than they may.
+  /// Solves with the fixes that cost less than the threshold.
   Expected<void> settle() {
     const std::vector<double> all = costs();
     for (std::size_t f = 0; f < all.size(); ++f) fixes()[f].loss = all[f] < widest_ ? Loss{} : Loss{0.0, 0.0};
     return solve_on(MinimiseOptions{}.max_iterations);
   }
 
-  /// From the values that there are.
+  /// Solves from the current values, in at most so many steps.
   Expected<void> solve_on(int most_steps) {
     RunOptions options = without_verdict();
     options.solver.engine = engine_;
@@ -109,14 +110,14 @@ class FixSearch {
 
   void take_values(RunResult<Dim>&& result) { log_.initial = {std::move(result.map.poses), std::move(result.map.features)}; }
 
-  /// Without fixes the log was solved: something is free to move because too few of them count.
+  /// The error if too few fixes count: without fixes the log was solved, so that nothing else can leave it undetermined.
   Error too_few() const {
     return {ErrorKind::kBadInput, log_.source +
                                       ": too few fixes agree to hold the map; without --robust all of them do, and the "
                                       "verdict names those that are out of line"};
   }
 
-  /// Of each fix, whatever its loss.
+  /// The cost of each fix, without its loss.
   std::vector<double> costs() const {
     std::vector<double> all;
     for (PoseFactor<Dim> fix : log_.pose_priors()) {
@@ -126,23 +127,43 @@ class FixSearch {
     return all;
   }
 
-  std::vector<RejectedFix> rejected() const {
-    std::vector<RejectedFix> wrong;
-    const std::vector<double> all = costs();
-    for (std::size_t f = 0; f < all.size(); ++f) {
-      if (all[f] >= widest_) wrong.push_back({f, all[f], std::min(1.0, count_ * chi_squared_upper_tail(all[f], Dim))});
-    }
-    return wrong;
-  }
-
   std::span<PoseFactor<Dim>> fixes() { return std::span(log_.graph.pose_factors).subspan(log_.edges().size()); }
 
   Log<Dim> log_;
+  double widest_;
   Engine engine_;
   const std::stop_token& stop_;
-  double count_;
-  double widest_;  // what the confidence allows
 };
+
+/// A part of a log that only fixes tie to the rest, with its fixes, and their places among the pose priors of the log.
+template <int Dim>
+struct FixedPart {
+  Log<Dim> log;
+  std::vector<std::size_t> fixes;
+};
+
+template <int Dim>
+std::vector<FixedPart<Dim>> fixed_parts(const Log<Dim>& log) {
+  Log<Dim> bare = log;
+  bare.graph.pose_factors.resize(log.edges().size());
+  std::vector<FixedPart<Dim>> parts;
+  std::map<PoseId, std::pair<std::size_t, PoseIndex>> places;
+  for (Log<Dim>& part : split_into_parts(bare)) {
+    for (const PoseIndex pose : indices(part.poses)) places[part.poses[pose]] = {parts.size(), pose};
+    parts.push_back({std::move(part), {}});
+  }
+  for (auto& [part, fixes] : parts) {
+    if (parts.size() > 1) part.source += ", part of " + to_string(part.poses.front());  // for error messages
+  }
+  for (std::size_t f = 0; f < log.pose_priors().size(); ++f) {
+    PoseFactor<Dim> fix = log.pose_priors()[f];
+    const auto [part, pose] = places.at(log.poses[fix.target]);
+    fix.target = pose;
+    parts[part].log.graph.pose_factors.push_back(fix);
+    parts[part].fixes.push_back(f);
+  }
+  return parts;
+}
 
 }  // namespace
 
@@ -150,8 +171,21 @@ template <int Dim>
 Expected<std::vector<RejectedFix>> find_wrong_fixes(const Log<Dim>& log, const RobustOptions& options,
                                                     const std::stop_token& stop) {
   demand_valid(options);
-  if (log.pose_priors().empty()) return std::vector<RejectedFix>();
-  return FixSearch<Dim>(log, options, stop).all();
+  const auto count = static_cast<double>(log.pose_priors().size());
+  std::vector<RejectedFix> wrong;
+  if (count == 0.0) return wrong;
+  const double widest = chi_squared_upper_quantile((1.0 - options.confidence) / count, Dim);
+  for (const auto& [part, fixes] : fixed_parts(log)) {
+    if (fixes.empty()) continue;
+    const auto chi2 = FixSearch<Dim>(part, widest, options.engine, stop).chi2();
+    if (!chi2) return tl::unexpected(chi2.error());
+    for (std::size_t f = 0; f < fixes.size(); ++f) {
+      const double tail = count * chi_squared_upper_tail((*chi2)[f], Dim);
+      if ((*chi2)[f] >= widest) wrong.push_back({fixes[f], (*chi2)[f], std::min(1.0, tail)});
+    }
+  }
+  std::ranges::sort(wrong, {}, &RejectedFix::prior);
+  return wrong;
 }
 
 template <int Dim>

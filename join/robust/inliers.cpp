@@ -14,16 +14,16 @@
 namespace mapjoin {
 namespace {
 
-/// The first map asks for odds (a logarithm) of this share of those that one of so many closures surpasses.
+/// The first map takes closures with at least this share of the log-odds that one in kOneSurpassesOf closures surpasses.
 constexpr double kFirstShare = 0.6;
 constexpr std::size_t kOneSurpassesOf = 100;
-/// First maps where a hundredth is none: each has so many times the closures of the one before.
+/// The ratio of the numbers of closures of successive first maps, if there are fewer than kOneSurpassesOf closures.
 constexpr std::size_t kFirstGrowth = 3;
-/// A log is first tried as it is where no more of its closures and observations are outvoted by the others.
+/// Maximum number of outvoted closures and observations with which a log is first tried as it is.
 constexpr std::size_t kMostOutvoted = 20;
 
-/// Whether every closure and observation passes its test where all count, closures as closely as their loops say that what is
-/// right fits. Not tried where too many are outvoted.
+/// True if every closure and observation passes its test when all count, closures within the scale that their loops show.
+/// False, without a trial, if too many are outvoted.
 template <int Dim>
 Expected<bool> fits_as_it_is(const Log<Dim>& log, const Screening<Dim>& screening, Engine engine, const std::stop_token& stop) {
   if (screening.outvoted > kMostOutvoted) return false;
@@ -36,8 +36,8 @@ Expected<bool> fits_as_it_is(const Log<Dim>& log, const Screening<Dim>& screenin
   });
 }
 
-/// The odds that closures of first maps have at least, each once. Where closures are so few that a hundredth of them is none,
-/// odds tell little: maps of the best one, three, nine and so on (and of what ties with them) are tried, and one of all.
+/// The least log-odds of the closures of each first map, descending. If a hundredth of the closures is none, odds tell little:
+/// maps of the best one, three, nine and so on (and of ties with them) are tried, and one of all.
 std::vector<double> odds_of_first_maps(const std::vector<double>& odds) {
   if (odds.empty()) return {kLeastOdds};
   if (const std::size_t rank = odds.size() / kOneSurpassesOf; rank > 0) {
@@ -52,16 +52,17 @@ std::vector<double> odds_of_first_maps(const std::vector<double>& odds) {
   return firsts;
 }
 
-/// Of the searches from all first maps that which rejects the fewest; one that fails is passed over where another does not.
+/// The log as it is if that fits, otherwise the result of the searches from all first maps that rejects the fewest; failed ones
+/// are passed over if another one succeeds.
 template <int Dim>
-Expected<Inliers<Log<Dim>>> best_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop) {
-  const Screening<Dim> screening(log, options.confidence, stop);
+Expected<Inliers<Log<Dim>>> best_inliers(const Log<Dim>& log, const Screening<Dim>& screening, Engine engine,
+                                         const std::stop_token& stop) {
   if (stop.stop_requested()) return interrupted("rejecting");
-  const auto fits = fits_as_it_is(log, screening, options.engine, stop);
+  const auto fits = fits_as_it_is(log, screening, engine, stop);
   if (!fits || *fits) return fits.map([&](bool) { return Inliers<Log<Dim>>{log, {}}; });
   Expected<Inliers<Log<Dim>>> best = tl::unexpected(Error{});
   for (const double first : odds_of_first_maps(screening.odds)) {
-    best = fewer_rejected<Dim>(std::move(best), search_inliers(log, screening, first, options.engine, stop));
+    best = fewer_rejected<Dim>(std::move(best), search_inliers(log, screening, first, engine, stop));
     if (stop.stop_requested()) return interrupted("rejecting");
   }
   return best;
@@ -79,8 +80,11 @@ Expected<Inliers<Log<Dim>>> find_inliers(const Log<Dim>& log, const RobustOption
   demand_valid(options);
   if (const auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   Inliers<Log<Dim>> inliers = without_contradicted_odometry(log, options.confidence);
-  const SearchOf<Dim> search = [&](const Log<Dim>& some) { return best_inliers(some, options, stop); };
-  auto found = options.odometry ? without_doubtful_odometry(inliers.input, options, search, stop) : search(inliers.input);
+  const SearchOf<Dim> search = [&](const Log<Dim>& some, const Screening<Dim>& screening) {
+    return best_inliers(some, screening, options.engine, stop);
+  };
+  auto found = options.odometry ? without_doubtful_odometry(inliers.input, options, search, stop)
+                                : search(inliers.input, Screening<Dim>(inliers.input, options.confidence, stop));
   return std::move(found).map([&](Inliers<Log<Dim>>&& found) {
     found.rejected.insert(found.rejected.begin(), inliers.rejected.begin(), inliers.rejected.end());
     return std::move(found);

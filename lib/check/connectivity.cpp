@@ -31,13 +31,29 @@ Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, con
                                fmt::join(roots.begin(), named, ", "), named != roots.end() ? ", …" : "", advice));
 }
 
+namespace {
+
+/// True if two parts or more have features.
+template <typename LogOrSet>
+bool do_parts_have_features(const LogOrSet& tied, const std::vector<Edge>& ties) {
+  const TieVertices of = vertices_of(tied);
+  const std::vector<std::uint32_t> part_of = components_of(make_graph(of.size(), ties));
+  const auto is_elsewhere = [&](FeatureIndex f) { return part_of[of.feature(f)] != part_of[of.feature(0)]; };
+  return std::ranges::any_of(indices(tied.features), is_elsewhere);
+}
+
+}  // namespace
+
 template <typename LogOrSet>
 Expected<void> check_connected(const LogOrSet& tied) {
   constexpr bool kIsLog = requires {
     tied.observations();
   };
-  const std::string associate = tied.features.empty() ? "" : "; --associate ties them by features that they share";
-  return check_tied({tied.source, tied.poses, tied.features}, ties_of(tied),
+  const Names names{tied.source, tied.poses, tied.features};
+  const std::vector<Edge> ties = ties_of(tied);
+  if (check_tied(names, ties, "")) return {};
+  const std::string associate = do_parts_have_features(tied, ties) ? "; --associate ties them by features that they share" : "";
+  return check_tied(names, ties,
                     associate + (kIsLog ? "; --parts largest takes the largest, --parts all makes a map of each" : ""));
 }
 

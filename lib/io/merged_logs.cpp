@@ -13,11 +13,11 @@
 namespace mapjoin {
 namespace {
 
-/// A log's poses by their names, for those that name them from outside.
+/// The poses of each log by their names.
 template <int Dim>
 using PoseOf = std::vector<IndexOf<PoseIndex, PoseId>>;
 
-/// The pose that log `own` means by a name: its own, else the one that another log has.
+/// The pose that log `own` means by a name: its own, otherwise that of another log; bad input if none or several have it.
 template <int Dim>
 Expected<PoseId> meant(const PoseId& name, std::size_t own, const std::vector<Log<Dim>>& logs, const PoseOf<Dim>& pose_of,
                        const std::vector<std::uint32_t>& first) {
@@ -41,7 +41,7 @@ bool same_numbers(const NamedEdge<Dim>& a, const Pose<Dim>& measured, const Pose
   return a.measured == measured && a.information == information;
 }
 
-/// Edges between the poses of different logs, or that one log has of the poses of another.
+/// Edges between poses of different logs, or between poses of one log that stand in another.
 template <int Dim>
 class Ties {
  public:
@@ -49,7 +49,7 @@ class Ties {
     for (const Log<Dim>& log : logs) pose_of_.emplace_back(log.poses);
   }
 
-  /// Takes the foreign edges of a log; those that other logs have, too, are counted unless they are to be kept.
+  /// Takes the foreign edges of a log; those that other logs have, too, are only counted unless `keep_copies`.
   Expected<void> take(std::size_t log, bool keep_copies) {
     const std::size_t before = edges_.size();
     for (const NamedEdge<Dim>& foreign : logs_[log].foreign) {
@@ -71,7 +71,7 @@ class Ties {
   std::int64_t copies() const { return copies_; }
 
  private:
-  /// Whether a log before this one, or the one that both poses are of, has the edge.
+  /// True if a log before this one, or the log of both poses, has the edge.
   bool is_copy(const NamedEdge<Dim>& edge, std::size_t before) const {
     const auto [begin, end] = known_.equal_range({edge.base, edge.target});
     for (auto known = begin; known != end; ++known) {
@@ -100,7 +100,7 @@ class Ties {
   std::int64_t copies_ = 0;
 };
 
-/// What a log fixes holds the map only where no log before it fixes anything.
+/// Releases the fixed poses of every log behind the first that fixes any; the number of released poses.
 template <int Dim>
 std::int64_t release_later(std::vector<Log<Dim>>& logs) {
   std::int64_t released = 0;
@@ -113,7 +113,32 @@ std::int64_t release_later(std::vector<Log<Dim>>& logs) {
   return released;
 }
 
+/// Removes the time stamps unless every log has them; the number of removed ones.
+template <int Dim>
+std::int64_t drop_partial_stamps(std::vector<Log<Dim>>& logs) {
+  if (std::ranges::none_of(logs, [](const Log<Dim>& log) { return log.stamps_ns.empty(); })) return 0;
+  std::int64_t dropped = 0;
+  for (Log<Dim>& log : logs) dropped += std::ssize(std::exchange(log.stamps_ns, {}));
+  return dropped;
+}
+
 }  // namespace
+
+Expected<Conventions> common_conventions(const std::vector<NamedConventions>& all) {
+  Conventions common = all.front().conventions;
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    const Conventions& next = all[k].conventions;
+    if (next.covariance != common.covariance) {
+      return bad_input(fmt::format("{} has weights of --covariance {} and {} of --covariance {}: build both with the same",
+                                   all.front().source, to_string(common.covariance), all[k].source,
+                                   to_string(next.covariance)));
+    }
+    if (next.pose_error != common.pose_error) common.pose_error = PoseError::kPaper;
+    if (next.rotation_information != common.rotation_information) common.rotation_information = RotationInformation::kVector;
+    common.repairs += next.repairs;
+  }
+  return common;
+}
 
 Expected<std::uint64_t> step_apart(std::uint64_t largest, std::size_t parts) {
   std::uint64_t step = 1;
@@ -128,25 +153,29 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
   if (logs.size() == 1) return std::move(logs.front());
   if (auto apart = options.own_features ? number_features_apart(logs) : Expected<void>(); !apart)
     return tl::unexpected(apart.error());
+  std::vector<NamedConventions> named;
+  for (const Log<Dim>& log : logs) named.push_back({log.source, log.conventions});
+  const auto conventions = common_conventions(named);
+  if (!conventions) return tl::unexpected(conventions.error());
   const std::int64_t released = release_later(logs);
+  const std::int64_t stamps = drop_partial_stamps(logs);
   const auto sessions = first_sessions(logs);
   if (!sessions) return tl::unexpected(sessions.error());
   const std::vector<std::uint32_t>& first = *sessions;
   Ties<Dim> ties(logs, first);
   std::vector<std::string> sources;
-  Conventions conventions = logs.front().conventions;
   for (std::size_t k = 0; k < logs.size(); ++k) {
     if (auto taken = ties.take(k, options.keep_copies); !taken) return tl::unexpected(taken.error());
     sources.push_back(logs[k].source);
-    if (k > 0) conventions.repairs += logs[k].conventions.repairs;
   }
-  LogBuilder<Dim> builder(fmt::format("{}", fmt::join(sources, " + ")), conventions, Numbers::kChecked);
+  LogBuilder<Dim> builder(fmt::format("{}", fmt::join(sources, " + ")), *conventions, Numbers::kChecked);
   for (std::size_t k = 0; k < logs.size(); ++k) builder.append(logs[k], first[k]);
   for (const NamedEdge<Dim>& edge : ties.edges()) {
     builder.add_pose_edge(edge.base, edge.target, edge.measured, edge.information);
   }
   if (ties.copies() > 0) builder.add_skipped("copies of edges in another file", ties.copies());
   if (released > 0) builder.add_skipped("fixed poses of later files", released);
+  if (stamps > 0) builder.add_skipped("time stamps that other files lack", stamps);
   return std::move(builder).finish();
 }
 

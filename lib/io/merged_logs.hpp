@@ -5,18 +5,20 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
+#include <string>
 #include <vector>
 
 namespace mapjoin {
 
 struct MergeOptions {
-  bool keep_copies = false;   ///< An edge to another log's pose that stands in both logs, number by number, counts twice.
-  bool own_features = false;  ///< Features of the same name in different logs are different ones.
+  bool keep_copies = false;   ///< Counts an edge to another log's pose twice if it stands in both logs, number by number.
+  bool own_features = false;  ///< Keeps features of the same name in different logs apart.
 };
 
-/// The first session of each of several logs or sets of maps, behind all those before; bad input where they are too many.
+/// The first session of each of several logs or sets of maps, behind all those before; bad input if there are too many.
 template <typename Part>
 Expected<std::vector<std::uint32_t>> first_sessions(const std::vector<Part>& parts) {
   std::vector<std::uint32_t> first;
@@ -32,10 +34,21 @@ Expected<std::vector<std::uint32_t>> first_sessions(const std::vector<Part>& par
   return first;
 }
 
-/// The least power of ten above `largest`, so many times which fits into an id; else kUsage.
+/// The conventions of a log or set of maps, with its name for messages.
+struct NamedConventions {
+  std::string source;
+  Conventions conventions;
+};
+
+/// The conventions of several logs or sets of maps together, at least one. Where they were read in different ones, those used
+/// inside, to which all were turned. Bad input if some have the identity for weights and others do not: their chi2 together
+/// would mean nothing.
+Expected<Conventions> common_conventions(const std::vector<NamedConventions>& all);
+
+/// The least power of ten above `largest`; kUsage if `parts` times that does not fit into an id.
 Expected<std::uint64_t> step_apart(std::uint64_t largest, std::size_t parts);
 
-/// Gives the features of every log or set of maps numbers that those of no other have: from n times a power of ten on.
+/// Gives the features of every log or set of maps numbers that no other one has: from n times a power of ten on.
 template <typename Part>
 Expected<void> number_features_apart(std::vector<Part>& parts) {
   std::uint64_t largest = 0;
@@ -49,10 +62,11 @@ Expected<void> number_features_apart(std::vector<Part>& parts) {
   });
 }
 
-/// The logs, at least one, as one log. The sessions of a log, most have one, follow those of the logs before it. Each log is in
-/// a frame of its own: the first that fixes poses holds the map, and what later ones fix is left out and counted, as copies
-/// are. Own features of log n are numbered from n times a power of ten on. Bad input: an edge to a pose that no log declares,
-/// or several; kUsage: ids of own features that do not fit into 64 bits.
+/// The logs, at least one, as one log. The sessions of a log, usually one, follow those of the logs before it. Each log is in a
+/// frame of its own: the first log that fixes poses holds the map; fixed poses of later logs are left out and counted, and so
+/// are copies of edges, and time stamps unless every log has them. Own features of log n are numbered from n times a power of
+/// ten on. Bad input: an edge to a pose that no log declares, or several, and weights that common_conventions() refuses;
+/// kUsage: ids of own features that do not fit into 64 bits.
 template <int Dim>
 Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& options = {});
 

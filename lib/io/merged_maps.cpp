@@ -33,7 +33,7 @@ Renumbering renumbering(PoseIndex first_pose, const FeatureIds& part, const Feat
   return numbers;
 }
 
-/// Where the poses of every log begin in the merged one; nothing where they are not in the order of their own log.
+/// The first pose of every log in the merged one; nullopt if its poses are not in the order of their own log.
 template <int Dim>
 std::optional<std::vector<PoseIndex>> begins_of(const std::vector<StoredMaps<Dim>>& stores, const PoseIds& merged) {
   std::vector<PoseIndex> begins;
@@ -47,10 +47,11 @@ std::optional<std::vector<PoseIndex>> begins_of(const std::vector<StoredMaps<Dim
   return begins;
 }
 
-/// Adds the maps that another part of the same build has.
+/// Adds the maps of another part of the same build.
 template <int Dim>
 Expected<void> add_part(StoredMaps<Dim>& whole, StoredMaps<Dim> part) {
   if (auto alike = check_cut_alike(whole.segments, part.segments, whole.log.source); !alike) return alike;
+  whole.share = {};
   std::vector<LocalMap<Dim>> maps;
   auto known = whole.maps.begin();
   auto added = part.maps.begin();
@@ -73,7 +74,7 @@ Expected<void> add_portion(StoredMaps<Dim>& whole, StoredMaps<Dim> portion) {
   return add_part(whole, std::move(portion));
 }
 
-/// A log of all its portions; bad input where they are not all there.
+/// The log of all its portions; bad input unless all are there.
 template <int Dim>
 Expected<StoredMaps<Dim>> completed(std::vector<StoredMaps<Dim>> portions) {
   std::vector<Portion> of;
@@ -91,7 +92,7 @@ Expected<StoredMaps<Dim>> completed(std::vector<StoredMaps<Dim>> portions) {
   return whole;
 }
 
-/// Whole logs, some of them made of portions.
+/// Stores of whole logs; portions of one log are put together.
 template <int Dim>
 Expected<std::vector<StoredMaps<Dim>>> whole_logs(std::vector<StoredMaps<Dim>> stores) {
   std::vector<std::vector<StoredMaps<Dim>>> groups;
@@ -112,7 +113,42 @@ Expected<std::vector<StoredMaps<Dim>>> whole_logs(std::vector<StoredMaps<Dim>> s
   return logs;
 }
 
-/// A store of each log: those of one log are parts of one build.
+/// The stores that hold a share of the local maps of their log, by log.
+template <int Dim>
+std::vector<std::vector<std::size_t>> shares_by_log(const std::vector<StoredMaps<Dim>>& stores) {
+  std::vector<std::vector<std::size_t>> logs;
+  for (std::size_t k = 0; k < stores.size(); ++k) {
+    if (stores[k].share.is_whole()) continue;
+    const auto same = std::ranges::find_if(
+        logs, [&](const auto& known) { return store::is_same_log(stores[known.front()].log, stores[k].log); });
+    (same == logs.end() ? logs.emplace_back() : *same).push_back(k);
+  }
+  return logs;
+}
+
+/// Bad input if there are shares of several logs, and not all of each: parts of one log that was built in two ways would be
+/// taken for two robots.
+template <int Dim>
+Expected<void> check_shares(const std::vector<StoredMaps<Dim>>& stores, const std::vector<std::filesystem::path>& paths) {
+  const auto logs = shares_by_log(stores);
+  const auto has_all = [&](const std::vector<std::size_t>& log) {
+    Share next{0, stores[log.front()].share.count};
+    const auto is_next = [&](std::size_t k) { return stores[k].share == next; };
+    while (next.index < next.count && std::ranges::any_of(log, is_next)) ++next.index;
+    return next.index == next.count;
+  };
+  const auto some = std::ranges::find_if_not(logs, has_all);
+  if (logs.size() < 2 || some == logs.end()) return {};
+  const std::size_t one = logs.front().front();
+  const std::size_t other = (some == logs.begin() ? logs[1] : *some).front();
+  const auto part = [&](std::size_t k) { return fmt::format("{}/{}", stores[k].share.index + 1, stores[k].share.count); };
+  return bad_input(
+      fmt::format("{} and {} have parts {} and {} of the local maps of different logs, or of one log read with other "
+                  "options: build all parts from the same log with the same options, or give all parts of each log",
+                  paths[one].string(), paths[other].string(), part(one), part(other)));
+}
+
+/// One store of each log; several stores of one log are parts of one build.
 template <int Dim>
 Expected<std::vector<StoredMaps<Dim>>> united(std::vector<StoredMaps<Dim>> stores) {
   std::vector<StoredMaps<Dim>> logs;
@@ -126,7 +162,7 @@ Expected<std::vector<StoredMaps<Dim>>> united(std::vector<StoredMaps<Dim>> store
   return logs;
 }
 
-/// The maps of different logs, each a session.
+/// The maps of different logs, each log a session.
 template <int Dim>
 Expected<AnyMaps> merged_sessions(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
   std::vector<Log<Dim>> logs;
@@ -156,8 +192,10 @@ Expected<AnyMaps> merged_sessions(std::vector<StoredMaps<Dim>> stores, const Mer
 }
 
 template <int Dim>
-Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
-  return whole_logs(std::move(stores))
+Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const std::vector<std::filesystem::path>& paths,
+                              const MergeOptions& options) {
+  return check_shares(stores, paths)
+      .and_then([&] { return whole_logs(std::move(stores)); })
       .and_then([](std::vector<StoredMaps<Dim>> logs) { return united(std::move(logs)); })
       .and_then([&](std::vector<StoredMaps<Dim>> logs) -> Expected<AnyMaps> {
         if (logs.size() == 1) return AnyMaps(std::move(logs.front()));
@@ -166,17 +204,22 @@ Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const MergeOp
 }
 
 template <int Dim>
-Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const MergeOptions& options) {
+Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const std::vector<std::filesystem::path>&,
+                              const MergeOptions& options) {
   if (auto apart = options.own_features ? number_features_apart(sets) : Expected<void>(); !apart) {
     return tl::unexpected(apart.error());
   }
   SubmapSet<Dim> whole;
-  whole.conventions = sets.front().conventions;
+  std::vector<NamedConventions> named;
   for (const SubmapSet<Dim>& set : sets) {
+    named.push_back({set.source, set.conventions});
     whole.source += (whole.source.empty() ? "" : " + ") + set.source;
     append(whole.features, set.features);
   }
   make_distinct(whole.features);
+  const auto conventions = common_conventions(named);
+  if (!conventions) return tl::unexpected(conventions.error());
+  whole.conventions = *conventions;
   const auto first_session = first_sessions(sets);
   if (!first_session) return tl::unexpected(first_session.error());
   for (std::size_t k = 0; k < sets.size(); ++k) {
@@ -184,12 +227,24 @@ Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const MergeOptio
     for (const PoseId& id : sets[k].poses) whole.poses.push_back({(*first_session)[k] + id.session, id.key});
     for (const Segment& segment : sets[k].segments) whole.segments.push_back(part(segment));
     for (LocalMap<Dim>& map : sets[k].graph.submaps) whole.graph.submaps.push_back(part(std::move(map)));
-    if (k > 0) whole.conventions.repairs += sets[k].conventions.repairs;
   }
   return AnyMaps(std::move(whole));
 }
 
-/// All of one type, or nothing.
+/// Bad input if some of the maps have other weights than others.
+Expected<void> check_weights(const std::vector<AnyMaps>& all, const std::vector<std::filesystem::path>& paths) {
+  const auto conventions = [](const auto& maps) {
+    if constexpr (requires { maps.log; })
+      return maps.log.conventions;
+    else
+      return maps.conventions;
+  };
+  std::vector<NamedConventions> named;
+  for (std::size_t k = 0; k < all.size(); ++k) named.push_back({paths[k].string(), std::visit(conventions, all[k])});
+  return common_conventions(named).map([](const Conventions&) {});
+}
+
+/// All maps as one type; nullopt if one is of another type.
 template <typename Maps>
 std::optional<std::vector<Maps>> all_as(std::vector<AnyMaps>& any) {
   std::vector<Maps> same;
@@ -218,7 +273,8 @@ Expected<AnyMaps> open_several_maps(const std::vector<std::filesystem::path>& pa
                     "maps of others",
                     paths.front().string(), path.string()));
   }
-  const auto merge_like = [&]<typename Maps>(const Maps&) { return merged_maps(*all_as<Maps>(all), merging); };
+  if (auto alike = check_weights(all, paths); !alike) return tl::unexpected(alike.error());
+  const auto merge_like = [&]<typename Maps>(const Maps&) { return merged_maps(*all_as<Maps>(all), paths, merging); };
   return std::visit(merge_like, AnyMaps(all.front()));
 }
 

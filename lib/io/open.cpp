@@ -6,6 +6,7 @@
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/mrclam/mrclam.hpp>
 #include <mapjoin/io/open.hpp>
+#include <mapjoin/io/run_folder.hpp>
 #include <system_error>
 #include <utility>
 
@@ -13,6 +14,7 @@ namespace mapjoin {
 
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options) {
   if (is_mrclam_folder(path)) return read_mrclam(path);
+  if (is_run_folder(path)) return read_run_folder(path, options);
   return FileBytes::read(path).and_then([&](const FileBytes& bytes) { return read_log(bytes.view(), path.string(), options); });
 }
 
@@ -30,7 +32,7 @@ Expected<AnyLog> merged_as(std::vector<AnyLog> logs, const std::vector<std::file
   return merged(std::move(same), options);
 }
 
-/// Of a store; of anything else the whole.
+/// The portion that a store has; the whole for anything else.
 Portion portion_of(const AnyMaps& any) {
   return std::visit(
       [](const auto& maps) {
@@ -58,7 +60,7 @@ Expected<AnyLog> open_logs(const std::vector<std::filesystem::path>& paths, Read
 
 bool may_hold_maps(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return !is_mrclam_folder(path);
+  if (std::filesystem::is_directory(path, ignored)) return !is_mrclam_folder(path) && !is_run_folder(path);
   if (!std::filesystem::is_regular_file(path, ignored)) return false;  // A pipe can be read only once.
   if (is_store(path)) return true;
   const auto bytes = FileBytes::read(path);

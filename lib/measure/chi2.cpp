@@ -57,11 +57,19 @@ std::int64_t degrees_of_freedom(const Log<Dim>& log, std::size_t held_poses) {
   return rows - free_poses * kPoseDof<Dim> - static_cast<std::int64_t>(log.features.size()) * Dim;
 }
 
+template <int Dim>
+std::int64_t degrees_of_freedom(const Log<Dim>& log) {
+  const bool is_held = !log.graph.fixed.empty() || !log.pose_priors().empty() || !log.feature_priors().empty();
+  return degrees_of_freedom(log, is_held ? log.graph.fixed.size() : 1);
+}
+
 template Chi2 log_chi2(const Log<2>&, const Values<2>&);
 template Chi2 log_chi2(const Log<3>&, const Values<3>&);
 template double graph_chi2(const FactorGraph<2>&, const Values<2>&);
 template double graph_chi2(const FactorGraph<3>&, const Values<3>&);
 template std::int64_t degrees_of_freedom(const Log<2>&, std::size_t);
 template std::int64_t degrees_of_freedom(const Log<3>&, std::size_t);
+template std::int64_t degrees_of_freedom(const Log<2>&);
+template std::int64_t degrees_of_freedom(const Log<3>&);
 
 }  // namespace mapjoin

@@ -39,7 +39,7 @@ Point<Dim> mean(const std::vector<Point<Dim>>& points) {
   return std::accumulate(points.begin(), points.end(), Point<Dim>(Point<Dim>::Zero())) / static_cast<double>(points.size());
 }
 
-/// Calls `both(value in a, value in b)` for every id that both hold and returns how many ids only one of them holds.
+/// Calls `both(value in a, value in b)` for every id that both maps have; returns the number of ids that only one of them has.
 template <typename Index, typename Id, typename Value, typename Both>
 std::size_t match(const Table<Index, Id>& ids_a, const Table<Index, Value>& a, const Table<Index, Id>& ids_b,
                   const Table<Index, Value>& b, Both&& both) {
@@ -54,18 +54,18 @@ std::size_t match(const Table<Index, Id>& ids_a, const Table<Index, Value>& a, c
   return unmatched;
 }
 
-/// The rotation R of largest tr(Rᵀ C).
+/// The rotation R that maximises tr(Rᵀ C).
 Rotation<2> nearest_rotation(const PointMatrix<2>& C) {
   return Rotation<2>(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)));
 }
 Rotation<3> nearest_rotation(const PointMatrix<3>& C) {
   const Eigen::JacobiSVD<PointMatrix<3>> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // Not a reflection: the least singular direction gives way.
+  // No reflection: the direction of the least singular value is reversed if necessary.
   const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
   return Rotation<3>(Matrix<3>(svd.matrixU() * Point<3>(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose()));
 }
 
-/// The way from the first pose to each.
+/// The path length from the first pose to each.
 template <int Dim>
 std::vector<double> travelled(const std::vector<Pose<Dim>>& poses) {
   std::vector<double> way(poses.size(), 0.0);
@@ -79,7 +79,7 @@ PosePairs nearest_by_path(const std::vector<double>& way, double metres) {
   PosePairs pairs;
   const auto miss = [&](std::size_t i, std::size_t j) { return std::abs(way[j] - way[i] - metres); };
   for (std::size_t i = 0; i + 1 < way.size(); ++i) {
-    // The first of those at the same distance; the way never shortens.
+    // The first of several poses at the same path length, which never decreases.
     auto j = static_cast<std::size_t>(
         std::lower_bound(way.begin() + static_cast<std::ptrdiff_t>(i) + 1, way.end(), way[i] + metres) - way.begin());
     if (j == way.size() || (j > i + 1 && miss(i, j - 1) <= miss(i, j))) {
@@ -167,6 +167,7 @@ PoseErrorSummary relative_pose_error(const std::vector<Pose<Dim>>& estimate, con
   require_same_size(estimate.size(), truth.size());
   PoseErrors<Dim> errors;
   for (const auto& [i, j] : pairs) {
+    if (std::max(i, j) >= truth.size()) throw std::invalid_argument("A pair has a pose that is not in the trajectories");
     errors.add(Pose<Dim>{}, between(between(truth[i], truth[j]), between(estimate[i], estimate[j])));
   }
   return errors.summary();

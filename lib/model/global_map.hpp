@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The result: poses and features in one frame, which says what holds it still and in which convention its chi2 is meant.
+// The joined map: poses and features in one frame, with its gauge and the conventions of its chi2.
 
+#include <algorithm>
 #include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/conventions.hpp>
@@ -10,20 +11,27 @@
 
 namespace mapjoin {
 
-/// Lengths are in metres, angles in radians.
+/// Poses and features in one frame; lengths in metres, angles in radians.
 template <int Dim>
 struct GlobalMap {
   PoseIds pose_ids;
   Table<PoseIndex, Pose<Dim>> poses;
   FeatureIds feature_ids;
   Table<FeatureIndex, Point<Dim>> features;
-  Table<PoseIndex, std::int64_t> stamps_ns;  ///< Or empty.
-  std::vector<PoseIndex> gauge;              ///< The poses anchored; empty where priors of the World hold the map.
+  Table<PoseIndex, std::int64_t> stamps_ns;  ///< Time stamps; empty if unknown.
+  std::vector<PoseIndex> gauge;              ///< The anchored poses; empty if priors fix the gauge.
 
-  /// Marginal covariances of the steps, relative to the gauge: per pose (zero where it is anchored) and per feature, or empty.
+  /// Marginal covariances of the steps, relative to the gauge: per pose (zero if anchored) and per feature; empty if unknown.
   Table<PoseIndex, PoseMatrix<Dim>> pose_covariances;
   Table<FeatureIndex, PointMatrix<Dim>> feature_covariances;
   Conventions conventions;
 };
+
+/// True if the values of all poses and features are valid.
+template <int Dim>
+bool is_valid(const GlobalMap<Dim>& map) {
+  const auto is_sound = [](const auto& value) { return is_valid(value); };
+  return std::ranges::all_of(map.poses, is_sound) && std::ranges::all_of(map.features, is_sound);
+}
 
 }  // namespace mapjoin

@@ -1,21 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Runs of poses that are joined as one.
+// Segments: runs of poses, each a local map or raw; shares of them.
 
+#include <cstddef>
 #include <mapjoin/model/ids.hpp>
 #include <vector>
 
 namespace mapjoin {
 
-/// Poses [begin, end] that are joined as one, both included: neighbours of one session share their end/start pose.
+/// Poses begin to end, both included; neighbouring segments of a session share their end/start pose.
 struct Segment {
   PoseIndex begin = 0;
   PoseIndex end = 0;
-  bool is_map = true;  ///< A local map from its start to its end pose, else raw: its observations as they are.
+  bool is_map = true;  ///< True for a local map from start to end pose, false for a raw segment: its observations as they are.
   bool operator==(const Segment&) const = default;
 };
 
-/// The segments that are local maps, in their order, as the local maps stand beside them; they point into `segments`.
+/// One of several shares of the local maps of a log, each built on its own, on another machine, say.
+struct Share {
+  std::size_t index = 0;  ///< From 0.
+  std::size_t count = 1;
+
+  bool is_whole() const { return count == 1; }
+  bool operator==(const Share&) const = default;
+};
+
+/// Pointers into `segments` to those that are local maps, in order, which is that of the maps themselves.
 inline std::vector<const Segment*> map_segments(const std::vector<Segment>& segments) {
   std::vector<const Segment*> maps;
   for (const Segment& segment : segments) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What may be asked of the memory.
+// Limits on memory.
 
 #include <cstdint>
 #include <mapjoin/model/error.hpp>
@@ -11,7 +11,10 @@ namespace mapjoin {
 /// The physical memory of the machine (bytes).
 std::int64_t machine_memory();
 
-/// kTooLarge where `what` ("the covariances", say) takes more than `limit` bytes; with a limit of 0, more than the machine has.
+/// Bytes as text, in megabytes; below 10 MB with three digits.
+std::string in_megabytes(std::int64_t bytes);
+
+/// kTooLarge if `what` ("the covariances", say) takes more than `limit` bytes or, with a limit of 0, more than the machine has.
 Expected<void> check_memory(const std::string& what, std::int64_t bytes, std::int64_t limit);
 
 }  // namespace mapjoin

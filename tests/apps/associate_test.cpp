@@ -117,6 +117,16 @@ TEST_F(AssociateCommandTest, SaysThatPartsWithoutFeaturesStayApart) {
   }
 }
 
+TEST_F(AssociateCommandTest, TellsOfTheLargestPartWhereThatIsTaken) {
+  const std::string other = folder.file("other.g2o", kSmallLog).string();
+  const auto report = report_of({"run", log, other, "--associate", "--parts", "largest", "-o", file("result")});
+  EXPECT_EQ(report["poses"], 1000);
+  EXPECT_EQ(report["association"]["sightings"], report["observations"]);
+  EXPECT_EQ(report["association"]["features"], report["features"]);
+  const std::string lines = content_of(folder.path() / "result" / "associations.csv");
+  EXPECT_EQ(std::ranges::count(lines, '\n'), 1 + report["observations"].get<int>());
+}
+
 TEST_F(AssociateCommandTest, RefusesWhatMeansNothing) {
   EXPECT_THAT(call({"run", log, "--association", "nn"}).err, HasSubstr("--association is of --associate"));
   EXPECT_THAT(call({"run", log, "--confidence", "0.9"}).err, HasSubstr("--confidence is of --associate and --robust"));

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <mapjoin/model/lists.hpp>
 #include <tests/apps/command.hpp>
 #include <tests/support/data.hpp>
 
@@ -11,6 +13,7 @@ namespace mapjoin::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class BuildInParts : public ::testing::Test {
  protected:
@@ -45,6 +48,51 @@ TEST_F(BuildInParts, PartsThatAreCutInDifferentWaysAreRefused) {
   const Ended ended = call({"join", build("1/2"), build("2/2", "20")});
   EXPECT_EQ(ended.exit_code, 3);
   EXPECT_THAT(ended.err, HasSubstr("cut in different ways: build all parts with the same options"));
+}
+
+TEST_F(BuildInParts, StoresOfDifferentWeightsAreRefused) {
+  const std::string one = build("1/2");
+  const std::string other = path("identity.maps");
+  ASSERT_EQ(call({"build", log, "-o", other, "--covariance", "identity", "--part", "2/2", "--poses-per-map", "25"}).exit_code,
+            0);
+  const Ended ended = call({"join", one, other});
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_THAT(ended.err, HasSubstr(one + " has weights of --covariance original and " + other +
+                                   " of --covariance identity: build both with the same"));
+}
+
+TEST_F(BuildInParts, PartsOfDifferentLogsAreNotTwoRobots) {
+  const std::string first = build("1/2");
+  const std::string second = build("2/2");
+  std::ofstream(path("grown.g2o")) << content_of(log) << "EDGE_SE2 0 999 1 0 0 1 0 0 1 0 1\n";
+  log = path("grown.g2o");
+  const std::string grown = path("grown.maps");
+  ASSERT_EQ(call({"build", log, "-o", grown, "--part", "2/2", "--poses-per-map", "25"}).exit_code, 0);
+  const Ended ended = call({"join", first, grown});
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_THAT(ended.err, HasSubstr(first + " and " + grown + " have parts 1/2 and 2/2 of the local maps of different logs"));
+  EXPECT_THAT(ended.err, HasSubstr("build all parts from the same log with the same options, or give all parts of each log"));
+  const Ended three = call({"join", grown, first, second});
+  EXPECT_THAT(three.err, HasSubstr("have parts 2/2 and 1/2")) << "one of the grown log, all of the other";
+}
+
+TEST_F(BuildInParts, AllPartsOfEachOfTwoRobotsAreJoined) {
+  const std::vector<std::string> one = {build("1/2"), build("2/2")};
+  log = path("other.g2o");
+  ASSERT_EQ(call({"simulate", "--poses", "300", "--seed", "9", "-o", log}).exit_code, 0);
+  const std::vector<std::string> other = {build("1/3"), build("2/3"), build("3/3")};
+  const auto checked = [&](std::vector<std::string> stores) {
+    append(stores, one);
+    stores.insert(stores.begin(), {"join", "--features", "shared"});
+    return call(stores);
+  };
+  EXPECT_EQ(checked(other).exit_code, 0);
+  EXPECT_EQ(checked({other[0], other[2]}).exit_code, 3);
+}
+
+TEST_F(BuildInParts, APartSaysWhichOneItIs) {
+  EXPECT_THAT(call({"info", build("2/3")}).out, HasSubstr("part         2 of 3\n"));
+  EXPECT_THAT(call({"info", build("1/1")}).out, Not(HasSubstr("\npart ")));
 }
 
 TEST_F(BuildInParts, APartIsOneOfSoMany) {

@@ -109,6 +109,13 @@ TEST(Check, SaysWhereNothingCanBeTestedAndWherePositionsAreUnknown) {
   EXPECT_THAT(finding(report, "uncertain")["text"].get<std::string>(), HasSubstr("(pose 100) in a map of 100 m"));
 }
 
+TEST(Check, NamesAFeatureOfUnknownPosition) {
+  const TemporaryFolder folder;
+  const json report = checked({folder.file("log.g2o", kSmallLog + "EDGE_SE2_XY 1 9 1 1 1 0 0.0001\n").string()}, 1);
+  EXPECT_EQ(finding(report, "uncertain")["level"], "warning");
+  EXPECT_THAT(finding(report, "uncertain")["text"].get<std::string>(), HasSubstr("100 m (feature 9) in a map of "));
+}
+
 TEST(Check, EndsWithOneWhereThereIsSomethingToLookAt) {
   const TemporaryFolder folder;
   const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
@@ -146,6 +153,18 @@ TEST(Check, TakesTheFilesOwnValuesWhereAskedTo) {
   const Ended without = call({"check", folder.file("bare.g2o", kSmallLog).string(), "--estimate", "file"});
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_THAT(without.err, HasSubstr("no values"));
+}
+
+TEST(Check, CountsTheSameFreedomAtEitherMapThatPriorsHold) {
+  const TemporaryFolder folder;
+  const std::string map = (folder.path() / "map.g2o").string();
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_PRIOR_SE2_XY 0 0 0 1 0 1\nEDGE_PRIOR_SE2_XY 2 2 0 1 0 1\n");
+  ASSERT_EQ(call({"solve", log.string(), "-o", map}).exit_code, 0);
+  const auto dof_at = [&](const std::string& estimate) {
+    return json::parse(call({"check", map, "--estimate", estimate, "--report", "-"}).out)["dof"];
+  };
+  EXPECT_EQ(dof_at("file"), dof_at("joined"));
+  EXPECT_EQ(dof_at("joined"), 3);  // rows: odometry 6, observations 4, priors 4; unknowns: 9 of poses, 2 of the feature
 }
 
 TEST(Check, CannotReadWhatIsNoLog) {

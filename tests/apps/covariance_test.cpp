@@ -146,6 +146,15 @@ TEST_F(CovarianceNames, PoseAndFeatureOfOneNameAreToldApart) {
   EXPECT_THAT(of({"pose:1", "feature:1", "0:2"}).out, HasSubstr("feature 1 from pose 1: "));
 }
 
+TEST_F(CovarianceNames, OfTheFolderOfARunAreThoseOfItsLog) {
+  const std::string run = (folder.path() / "run").string();
+  const std::string log = folder.file("met.g2o", "EDGE_SE2 0 7 1 0 0 1 0 0 1 0 1\nEDGE_SE2_XY 7 7 1 1 1 0 1\n").string();
+  ASSERT_EQ(call({"run", log, "-o", run, "--quiet"}).exit_code, 0);
+  ASSERT_THAT(content_of(run + "/map.g2o"), HasSubstr("VERTEX_XY 17 "));
+  EXPECT_EQ(report_of({"covariance", run, "feature:7"})["variables"][0]["feature"], 7);
+  EXPECT_THAT(call({"info", run}).out, ::testing::ContainsRegex("features +1, feature 7 to feature 7\n"));
+}
+
 TEST_F(CovarianceNames, WhatIsNotThereIsSaid) {
   EXPECT_THAT(of({"99"}).err, HasSubstr("\"99\" is none of the poses and features; `mapjoin info`"));
   EXPECT_THAT(of({"3:2"}).err, HasSubstr("\"3:2\" is none of"));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,6 +51,26 @@ TEST_F(ErrorCommand, TakesTheFolderOfARun) {
   EXPECT_LT(errors({"error", run + "/map.g2o", run})["ate"]["translation"]["max"], 1e-9);
 }
 
+TEST_F(ErrorCommand, KnowsThePosesInTheFolderOfARunByTheNamesOfItsLogs) {
+  const std::string run = (folder.path() / "run").string();
+  const std::string text = kSmallLog + "EDGE_SE2_XY 0 8 3 -2 1 0 1\n";
+  const std::string one = folder.file("one.g2o", text).string();
+  const std::string two = folder.file("two.g2o", text).string();
+  ASSERT_EQ(call({"run", one, two, "--features", "shared", "-o", run, "--quiet"}).exit_code, 0);
+  EXPECT_EQ(errors({"error", run, run + "/poses.csv"})["ate"]["translation"]["count"], 6);
+  EXPECT_EQ(errors({"error", run + "/poses.csv", run})["ate"]["translation"]["count"], 6);
+  const auto again = errors({"run", one, two, "--features", "shared", "-o", run + ".g2o", "--truth", run});
+  EXPECT_EQ(again["ate"]["translation"]["count"], 6);
+}
+
+TEST_F(ErrorCommand, KnowsTheTimesInTheFolderOfARun) {
+  const std::string run = (folder.path() / "run").string();
+  const std::string log = folder.file("drive.g2o", kSmallLog).string();
+  const std::string stamps = folder.file("stamps.txt", "0 10.5\n1 11.5\n2 12.5\n").string();
+  ASSERT_EQ(call({"run", log, "--stamps", stamps, "-o", run, "--quiet"}).exit_code, 0);
+  EXPECT_EQ(errors({"error", run, run + "/trajectory.tum"})["ate"]["translation"]["count"], 3);
+}
+
 TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const Ended none = call({"error", map, folder.file("other.g2o", "VERTEX_SE2 9 0 0 0\n").string()});
   EXPECT_EQ(none.exit_code, 3);
@@ -60,13 +81,29 @@ TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const Ended no_times = call({"error", map, timed});
   EXPECT_EQ(no_times.exit_code, 2);
   EXPECT_THAT(no_times.err,
-              HasSubstr("timed.tum: has times, and the poses of the map have none; --stamps gives a log's, and poses.csv in "
-                        "the folder of a run has them\n"));
+              HasSubstr("timed.tum: has times, and the poses of the map have none; --stamps gives a log's, and the folder "
+                        "of a run has them\n"));
   const std::string out = (folder.path() / "out").string();
   EXPECT_THAT(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", out, "--truth", timed}).err,
               HasSubstr("timed.tum: has times"));
   EXPECT_FALSE(std::filesystem::exists(out));
   EXPECT_THAT(call({"error", map, truth, "--report", truth}).err, HasSubstr("TRUTH and --report are one file"));
+}
+
+TEST_F(ErrorCommand, RefusesTheTrajectoryOfOneOfSessionsThatAreUnderWayAtOnce) {
+  const auto of_second = [&](const std::string& name, int begin) {
+    std::string text = "session,pose,x,y,phi,stamp_ns\n0,0,0,0,0,10000000000\n0,1,1,0,0,11000000000\n0,2,2,0,0,12000000000\n";
+    for (int k = 0; k < 3; ++k) text += fmt::format("1,{},9,{},0,{}000000000\n", k, k, begin + k);
+    return folder.file(name, text).string();
+  };
+  const std::string tum =
+      folder.file("one.tum", "10 0 0 0 0 0 0 1\n11 1 0 0 0 0 0 1\n12 2 0 0 0 0 0 1\n13 9 1 0 0 0 0 1\n").string();
+  const std::string together = of_second("together.csv", 11);
+  expect_failure(call({"error", together, tum}), 2,
+                 "one.tum: sessions 0 and 1 are both under way at 12.000 s, and a trajectory does not say of which it is; a "
+                 "table like poses.csv does");
+  EXPECT_EQ(errors({"error", together, together})["ate"]["translation"]["count"], 6) << "by session and name";
+  EXPECT_EQ(errors({"error", of_second("in_turn.csv", 12), tum})["ate"]["translation"]["count"], 5);
 }
 
 TEST_F(ErrorCommand, SpansStayWithinSessions) {

@@ -191,11 +191,17 @@ TEST(Usage, WhatWouldCountTwiceIsGivenOnce) {
   }
   const std::string store = (folder.path() / "maps").string();
   ASSERT_EQ(call({"build", log, "-o", store}).exit_code, 0);
-  EXPECT_EQ(call({"join", store, store}).exit_code, 0) << "two of one log, which are united";
-  EXPECT_EQ(call({"check", store, store}).exit_code, call({"check", store}).exit_code);
+  for (const std::string command : {"join", "check"}) {
+    expect_failure(call({command, store, store}), 2, store + " is given twice: leave one out");
+  }
+  std::filesystem::copy_file(store, store + "2");
+  EXPECT_EQ(report_of({"join", store, store + "2"})["poses"], report_of({"join", store})["poses"]) << "of one log";
   const std::string maps = (folder.path() / "of_others").string();
   ASSERT_EQ(call({"convert", store, maps, "--to", "maps-text"}).exit_code, 0);
   expect_failure(call({"join", maps, maps}), 2, maps + " is given twice: leave one out");
+  const std::string stored = (folder.path() / "stored").string();
+  ASSERT_EQ(call({"build", maps, "-o", stored}).exit_code, 0);
+  expect_failure(call({"join", stored, stored}), 2, stored + " is given twice: leave one out");
 }
 
 TEST(Usage, APictureHasTheExtensionOfOne) {

@@ -98,6 +98,22 @@ TEST_F(GpsCommand, RobustLeavesOutWrongFixesByTheirLine) {
   EXPECT_THAT(bytes_of(out + "/inliers.g2o"), HasSubstr("EDGE_PRIOR_SE2 "));
 }
 
+TEST_F(GpsCommand, RobustTakesSessionsThatOnlyFixesTie) {
+  write_fixes(8);
+  std::string text = "session,";
+  for (const std::string& line : lines_of(bytes_of(fixes))) {
+    text += text.ends_with("session,") ? line + "\n" : fmt::format("0,{0}\n1,{0}\n", line);
+  }
+  const std::string both = folder.file("both.csv", text).string();
+  const std::string other = folder.file("other.g2o", bytes_of(log)).string();
+  const auto report =
+      report_of({"run", log, other, "--features", "own", "--gps", both, "--gps-lever", "3.8,0.5", "--robust", "-o", out});
+  EXPECT_EQ(report["sessions"], 2);
+  EXPECT_EQ(report["gps"]["rejected"], 16);
+  EXPECT_EQ(report["verdict"], "fits");
+  EXPECT_TRUE(report["gauge"]["held_poses"].empty());
+}
+
 TEST_F(GpsCommand, AFixThatIsOutOfLineIsNamedByItsLine) {
   write_fixes(1);
   std::ofstream(log, std::ios::app) << "FIX 0\n";

@@ -81,68 +81,31 @@ TEST_F(SeveralInputs, APartWithoutAMapDoesNotKeepTheOthersFromTheirs) {
   EXPECT_FALSE(std::filesystem::exists(out / "part_2"));
 }
 
-TEST_F(SeveralInputs, BuildMakesOneStoreWhosePosesAreNamedBySession) {
-  const std::string store = (folder.path() / "both.maps").string();
-  ASSERT_EQ(call({"build", a, b, "-o", store, "--poses-per-map", "25"}).exit_code, 0);
-  EXPECT_NEAR(report_of({"join", store})["chi2"], report_of({"solve", a, b})["chi2"], 1e-6);
-  const auto of_both = report_of({"covariance", store, "0:499", "1:0"});
-  EXPECT_EQ(of_both["variables"][1]["session"], 1);
-  EXPECT_THAT(call({"covariance", store, "pose:7"}).err, HasSubstr("\"pose:7\" could be pose:0:7 or pose:1:7"));
-}
-
-TEST_F(SeveralInputs, StoresAreJoinedAsTheLogsThatTheyAreOf) {
-  const std::string stores[] = {(folder.path() / "a.maps").string(), (folder.path() / "b.maps").string()};
-  ASSERT_EQ(call({"build", a, "-o", stores[0], "--poses-per-map", "25"}).exit_code, 0);
-  ASSERT_EQ(call({"build", b, "-o", stores[1], "--poses-per-map", "25"}).exit_code, 0);
-  const auto of_stores = report_of({"join", stores[0], stores[1]});
-  EXPECT_GT(of_stores["local_maps"]["count"], 0);
-  EXPECT_NEAR(of_stores["chi2"], report_of({"run", a, b})["chi2"], 1e-6 * of_stores["chi2"].get<double>());
-  EXPECT_EQ(call({"join", stores[0], a}).exit_code, 3);
-}
-
-TEST_F(SeveralInputs, OfMapsThatWereMergedBeforeAreSessionsOfTheirOwn) {
-  const auto path = [&](const std::string& name) { return (folder.path() / name).string(); };
-  const auto maps_of = [&](const std::string& log, const std::string& name) {
-    EXPECT_EQ(call({"build", log, "-o", path(name + ".maps"), "--poses-per-map", "25"}).exit_code, 0);
-    EXPECT_EQ(call({"convert", path(name + ".maps"), path(name), "--to", "maps-text"}).exit_code, 0);
-    return path(name);
+TEST_F(SeveralInputs, RunsSayWhereEarlierOnesAreLeftInTheirFolder) {
+  const std::string two = kSmallLog + "EDGE_SE2 20 21 1 0 0 1 0 0 1 0 1\n";
+  const std::string out = (folder.path() / "out").string();
+  const auto run_all = [&](const std::string& text) {
+    return call({"run", folder.file("log.g2o", text).string(), "--parts", "all", "-o", out});
   };
-  const std::string one = maps_of(a, "one");
-  const std::string other = maps_of(b, "other");
-  ASSERT_EQ(call({"build", one, other, "-o", path("both.maps")}).exit_code, 0);
-  const auto joined = report_of({"join", path("both.maps"), one, "--features", "shared", "-o", path("joined.csv")});
-  EXPECT_EQ(joined["sessions"], 3);
-  EXPECT_TRUE(open_log(path("joined.csv"))) << "each pose has one name";
+  const std::string left = ": holds the map of an earlier run, not of this one; remove it";
+  EXPECT_THAT(run_all(two + "EDGE_SE2 30 31 1 0 0 1 0 0 1 0 1\n").err, Not(HasSubstr(left)));
+  const Ended fewer = run_all(two);
+  EXPECT_EQ(fewer.exit_code, 0);
+  EXPECT_EQ(count_of(fewer.err, left), 1U) << fewer.err;
+  EXPECT_THAT(fewer.err, HasSubstr(out + "/part_3" + left));
+  const Ended whole = call({"run", folder.file("whole.g2o", kSmallLog).string(), "-o", out});
+  EXPECT_EQ(count_of(whole.err, left), 3U) << whole.err;
+  EXPECT_THAT(run_all(two).err, HasSubstr(out + left));
 }
 
-TEST_F(SeveralInputs, OfWhichOneCannotBeMappedAloneAreCheckedAllTheSame) {
-  const auto log_of = [&](const std::string& name, const std::string& heading, const std::string& from_first,
-                          const std::string& from_second) {
-    std::string text = "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 " + heading + "\n";
-    for (const char id : from_first) text += fmt::format("EDGE_SE2_XY 0 {} {} {} 1 0 1\n", id, id - '0', (id - '0') % 3);
-    for (const char id : from_second) text += fmt::format("EDGE_SE2_XY 1 {} {} {} 1 0 1\n", id, id - '1', (id - '0') % 3);
-    return folder.file(name, text).string();
-  };
-  const std::string whole = log_of("whole.g2o", "1", "123456", "123456");
-  const std::string free = log_of("free.g2o", "0", "123", "456");
-  std::ofstream(free, std::ios::app) << "EDGE_SE2_XY 1 6 90 90 1 0 1\n";
-  const Ended ended = call({"check", whole, free});
-  EXPECT_EQ(ended.exit_code, 1) << ended.err;
-  EXPECT_THAT(ended.out, HasSubstr("out of line with the rest"));
-}
-
-TEST_F(SeveralInputs, FeaturesThatLieDifferentlyUnderTheSameIdsAreAskedFor) {
-  const std::string other = (folder.path() / "other.g2o").string();
-  ASSERT_EQ(call({"simulate", "--poses", "500", "--seed", "9", "-o", other}).exit_code, 0);
-  const Ended asked = call({"run", a, other});
-  EXPECT_EQ(asked.exit_code, 3);
-  EXPECT_THAT(asked.err, HasSubstr("--features own where ids mean other features in each input, --features shared"));
-  EXPECT_THAT(call({"run", a, other, "--features", "shared"}).out, HasSubstr("if they are not, --features own"));
-  const Ended compared = call({"compare", a, other});
-  EXPECT_EQ(compared.exit_code, 3);
-  EXPECT_EQ(compared.err, asked.err);
-  EXPECT_THAT(call({"check", a, other}).out, HasSubstr("that lie differently in the map of each"));
-  EXPECT_THAT(call({"check", a, other, "--features", "shared"}).out, Not(HasSubstr("lie differently")));
+TEST_F(SeveralInputs, OneWrongIdIsNamedNotTakenForFeaturesThatLieDifferently) {
+  std::string text = content_of(a);
+  const std::string right = "EDGE_SE2_XY 399 1087 ";
+  ASSERT_EQ(count_of(text, right), 1U);
+  text.replace(text.find(right), right.size(), "EDGE_SE2_XY 399 1077 ");
+  const Ended ended = call({"run", folder.file("wrong.g2o", text).string(), b});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("MISFIT: observation of feature 1077 from pose 399 "));
 }
 
 TEST_F(SeveralInputs, AStoreOfSeveralAsksForSuchFeaturesToo) {

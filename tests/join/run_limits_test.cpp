@@ -48,6 +48,20 @@ TYPED_TEST(RunLimitsTest, NumbersTooLargeForAFiniteChi2AreBadInput) {
   }
 }
 
+TYPED_TEST(RunLimitsTest, ASplitThatIsNotOfTheLogIsBadInput) {
+  const auto world = small_world<TestFixture::kDim>();
+  Split parts = split(world.log, this->short_maps().split);
+  const auto maps = build_local_maps(world.log, parts, {}).value().maps;
+  ASSERT_TRUE(run_from_maps(world.log, parts, maps, RunOptions{}));
+  for (const std::size_t size : {0, 5}) {
+    parts.kept.resize(size);
+    const auto result = run_from_maps(world.log, parts, maps, RunOptions{});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
+    EXPECT_THAT(result.error().message, HasSubstr("which of them stay"));
+  }
+}
+
 TYPED_TEST(RunLimitsTest, AFeatureThatIsNotDeterminedIsNamed) {
   auto world = small_world<TestFixture::kDim>();
   world.log.features[3].key = 4711;

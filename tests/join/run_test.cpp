@@ -215,13 +215,16 @@ TYPED_TEST(RunTest, DegreesOfFreedomDoNotDependOnTheSplit) {
   held.graph.pose_factors.push_back({kWorld, 0, world.truth.pose(0), PoseMatrix<kDim>::Identity()});
   Log<kDim> placed = held;
   placed.graph.feature_factors.push_back({kWorld, 2, world.truth.features[2], PointMatrix<kDim>::Identity()});
-  for (const Log<kDim>& log : {world.log, held, placed}) {
+  Log<kDim> floating = placed;
+  floating.graph.fixed.clear();
+  for (const Log<kDim>& log : {world.log, held, placed, floating}) {
     const auto joined_map = run(log, this->with(1.0));
     const auto split = run(log, this->with(5.0));
     ASSERT_TRUE(joined_map && split);
     EXPECT_EQ(joined_map->local_maps, 0U);
     EXPECT_EQ(joined_map->dof, split->dof);
     EXPECT_EQ(joined_map->dof, degrees_of_freedom(log, joined_map->map.gauge.size()));
+    EXPECT_EQ(joined_map->dof, degrees_of_freedom(log)) << "which anchors what the join anchors";
   }
 }
 

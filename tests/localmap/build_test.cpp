@@ -113,6 +113,21 @@ TYPED_TEST(BuildTest, ASegmentThatItsOwnObservationsDoNotDetermineStaysRaw) {
   EXPECT_EQ(std::count(parts.kept.begin() + 9, parts.kept.begin() + 19, true), 10);
 }
 
+TYPED_TEST(BuildTest, ASplitOfAnotherLogIsBadInput) {
+  constexpr int kDim = TestFixture::kDim;
+  Split longer = this->parts;
+  longer.segments.back().end = 5000;
+  Split reversed = this->parts;
+  std::swap(reversed.segments[0].begin, reversed.segments[0].end);
+  Split keeps_nothing = this->parts;
+  keeps_nothing.kept.clear();
+  for (Split* wrong : {&longer, &reversed, &keeps_nothing}) {
+    const auto maps = build_local_maps<kDim>(this->world.log, *wrong, {});
+    ASSERT_FALSE(maps);
+    EXPECT_EQ(maps.error().kind, ErrorKind::kBadInput);
+  }
+}
+
 TYPED_TEST(BuildTest, StopsWhereAskedTo) {
   constexpr int kDim = TestFixture::kDim;
   std::stop_source stop;

@@ -172,6 +172,19 @@ TEST_F(RunOnRanks, SaysWhereALineIsWrongOnceAndEndsAll) {
   }
 }
 
+TEST_F(RunOnRanks, RefusesAMapThatIsNotFinite) {
+  std::ofstream file(path("large.g2o"));
+  for (int k = 1; k < 120; ++k) file << "EDGE_SE2 " << k - 1 << ' ' << k << " 1e308 0 0 1 0 0 1 0 1\n";
+  file.close();
+  for (const int ranks : {1, 2}) {
+    const Ended ended = call_ranks(ranks, {"run", path("large.g2o"), "-o", path("map.g2o")});
+    EXPECT_EQ(ended.exit_code, 3);
+    EXPECT_THAT(ended.err, HasSubstr("large.g2o: its numbers are too large: the map is not finite, or its chi2"));
+    EXPECT_EQ(ended.err.find("mapjoin: "), ended.err.rfind("mapjoin: ")) << ended.err;
+    EXPECT_FALSE(std::filesystem::exists(path("map.g2o")));
+  }
+}
+
 TEST_F(RunOnRanks, RefusesALogThatFallsApart) {
   std::ofstream(path("apart.g2o")) << content_of(bundled("manhattan2d.g2o")) << "EDGE_SE2 5000 5001 1 0 0 1 0 0 1 0 1\n";
   const Ended ended = call_ranks(2, {"run", path("apart.g2o")});

@@ -136,6 +136,7 @@ void expect_same(const StoredMaps<Dim>& a, const StoredMaps<Dim>& b) {
   EXPECT_EQ(a.segments, b.segments);
   EXPECT_TRUE(same(a.maps, b.maps));
   EXPECT_EQ(a.options, b.options);
+  EXPECT_EQ(a.share, b.share);
 }
 
 }  // namespace mapjoin::testing

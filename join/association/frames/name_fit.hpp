@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Do features of one name lie alike in sessions that only such names tie together?
+// A test of whether features of one name lie alike in sessions that only such names tie together.
 
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
@@ -10,17 +10,22 @@
 
 namespace mapjoin {
 
-/// How the features that two parts name alike lie in the map of each.
+/// The agreement between the maps of two parts on the features of one name.
 struct NameFit {
-  PoseId first;  ///< The first pose of either part.
+  PoseId first;  ///< The first pose of the one part; `second` is that of the other.
   PoseId second;
-  std::size_t features = 0;  ///< That both name.
-  double alike = 1.0;        ///< The share of the distances between two of these that are the same in both maps.
+  std::size_t features = 0;  ///< Number of features that both name.
+  double alike = 1.0;        ///< Share of the distances between two of these features that are the same in both maps.
+
+  /// True if most distances are the same, as of features that are the same.
+  bool is_good() const { return alike > 0.5; }
 };
 
-/// Of the parts that poses tie together, each joined alone, the two whose features of one name lie least alike; nothing where
-/// no two have two such features. Priors of features do not count. Distances count as the same within what the covariances of
-/// the maps allow with probability `confidence`. Errors as of join(); kInterrupted on `stop`.
+/// The two parts whose features of one name lie least alike; nullopt if no two share two such features. Parts are tied together
+/// by poses, and each is joined alone; where these maps do not fit, again without what contradicts the rest of a part
+/// (find_inliers()), since one wrong observation bends a map. Priors of features do not count. Distances count as the same
+/// within what the covariances of the maps allow with probability `confidence`. Errors as of join() and find_inliers();
+/// kInterrupted on `stop`.
 template <int Dim>
 Expected<std::optional<NameFit>> worst_name_fit(const Log<Dim>& log, double confidence, const std::stop_token& stop = {});
 template <int Dim>

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBlock = 512;
 
 struct Member {
-  std::string_view name;  ///< Up to 100 bytes; a longer one comes before, as the content of a header of its own.
+  std::string_view name;  ///< Up to 100 bytes; a longer name precedes it, as the content of a header of its own.
   std::size_t size = 0;
   char type = '0';
 };
@@ -40,7 +40,7 @@ std::optional<std::size_t> octal(std::string_view field) {
   return value;
 }
 
-/// What a header says; nothing where it is not one or its checksum is wrong.
+/// The member that a header describes; nullopt if the block is no header or its checksum is wrong.
 std::optional<Member> parse_header(std::string_view block) {
   if (!is_tar_archive(block)) return std::nullopt;
   const auto size = octal(block.substr(124, 12));
@@ -54,7 +54,7 @@ std::optional<Member> parse_header(std::string_view block) {
   return Member{up_to_null(block.substr(0, 100)), *size, block[156]};
 }
 
-/// The path among the records `<length> <key>=<value>\n` of a POSIX header, empty if none is; nothing where they are not such.
+/// The path among the records `<length> <key>=<value>\n` of a POSIX header, empty if none is; nullopt if they are malformed.
 std::optional<std::string_view> pax_path(std::string_view records) {
   constexpr std::string_view kKey = " path=";
   std::string_view path;
@@ -75,7 +75,7 @@ Expected<void> visit_members(const fs::path& path, std::string_view rest, const 
   const auto damaged = [&](std::string_view what) {
     return bad_input(fmt::format("{}: damaged archive: {}", path.string(), what));
   };
-  std::string_view long_name;  // Of the next member.
+  std::string_view long_name;  // Long name of the next member; empty if none.
   while (rest.size() >= kBlock) {
     if (rest.substr(0, kBlock) == std::string(kBlock, '\0')) return {};
     const auto member = parse_header(rest.substr(0, kBlock));
@@ -90,10 +90,12 @@ Expected<void> visit_members(const fs::path& path, std::string_view rest, const 
       const auto given = pax_path(content);
       if (!given) return damaged("a member's header is wrong");
       if (!given->empty()) long_name = *given;
-    } else if (member->type != 'K' && member->type != 'g') {  // Those name a link's target, or speak of all members.
+    } else if (member->type != 'K' && member->type != 'g') {  // These name a link's target, or describe all members.
       const bool is_file = member->type == '0' || member->type == '\0';
       if (is_file && want(name)) {
-        if (auto done = visit(path / name, content); !done) return done;
+        const auto bytes = FileBytes::of_member(path / name, content);
+        if (!bytes) return tl::unexpected(bytes.error());
+        if (auto done = visit(path / name, bytes->view()); !done) return done;
       }
       long_name = {};
     }

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <initializer_list>
 #include <limits>
+#include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/model/error.hpp>
 #include <string>
@@ -16,15 +18,15 @@
 
 namespace mapjoin {
 
-/// What stands for a cell that is empty: no number.
+/// The word that stands for an empty cell; it is no number.
 inline constexpr std::string_view kEmptyCell = "(empty)";
 
-/// The text with blanks for commas and a word in every cell. Places are as they were, on a line up to its first empty cell.
+/// The text with blanks for commas and kEmptyCell in empty cells; words keep their places on a line up to its first empty cell.
 inline std::string with_blanks(std::string_view csv) {
   std::string blanks;
   blanks.reserve(csv.size());
-  bool is_empty = true;   // the cell so far
-  bool is_single = true;  // and the first of its line
+  bool is_empty = true;   // The current cell has only blanks so far.
+  bool is_single = true;  // The current line has only one cell so far.
   const auto end_cell = [&] {
     if (is_empty) blanks += kEmptyCell;
     is_empty = true;
@@ -40,31 +42,55 @@ inline std::string with_blanks(std::string_view csv) {
   return blanks;
 }
 
-/// The next word as the session of a pose.
+/// Reads the next word as the session of a pose.
 inline std::uint32_t read_session(TextScanner& text) {
   const std::uint64_t session = text.key();
   if (session > std::numeric_limits<std::uint32_t>::max()) text.reject("a session is a number below 2^32");
   return static_cast<std::uint32_t>(session);
 }
 
-/// The columns that the first line with a word names.
+/// The columns that the first line with a word names, without the blanks around them.
 inline std::vector<std::string> csv_columns(std::string_view csv) {
   std::vector<std::string> columns;
   TextScanner text("", csv);
   if (!text.next_line()) return columns;
-  for (std::string_view line = text.word();;) {
-    const std::size_t comma = std::min(line.find(','), line.size());
-    columns.emplace_back(line.substr(0, comma));
-    if (comma == line.size()) return columns;
-    line.remove_prefix(comma + 1);
+  columns.emplace_back();
+  const auto add = [&](std::string_view part) {
+    if (!columns.back().empty() && !part.empty()) columns.back() += ' ';
+    columns.back() += part;
+  };
+  while (!text.at_end_of_line()) {
+    std::string_view word = text.word();
+    for (std::size_t comma; (comma = word.find(',')) != word.npos; word.remove_prefix(comma + 1)) {
+      add(word.substr(0, comma));
+      columns.emplace_back();
+    }
+    add(word);
   }
+  return columns;
+}
+
+/// Calls read(columns, row) at the first word of each line below the header of a table. Bad input as FileBytes::read() and
+/// TextScanner::each_line() find it.
+template <typename Read>
+Expected<void> each_row(const std::filesystem::path& file, const Read& read) {
+  return FileBytes::read(file).and_then([&](const FileBytes& bytes) {
+    const std::vector<std::string> columns = csv_columns(bytes.view());
+    const std::string text = with_blanks(bytes.view());
+    TextScanner row(file.string(), text);
+    row.next_line();
+    return row.each_line([&] {
+      read(columns, row);
+      while (!row.at_end_of_line()) row.word();
+    });
+  });
 }
 
 inline bool has_column(const std::vector<std::string>& columns, std::string_view name) {
   return std::ranges::find(columns, name) != columns.end();
 }
 
-/// Bad input where one of these names is that of several columns.
+/// Bad input if several columns have one of these names.
 inline Expected<void> check_named_once(const std::vector<std::string>& columns, std::initializer_list<const char*> names,
                                        const std::string& file) {
   const auto twice = std::ranges::find_if(names, [&](const char* name) { return std::ranges::count(columns, name) > 1; });

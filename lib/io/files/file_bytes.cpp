@@ -25,13 +25,13 @@ tl::unexpected<Error> too_large(const std::filesystem::path& path, std::size_t m
   return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("{}: unpacks to more than {} MB", path.string(), most >> 20)});
 }
 
-/// Room for more bytes behind the first `used`: doubled, up to one byte beyond `most`, by which too much is noticed.
+/// Makes room for more bytes behind the first `used`: doubles the size, up to one byte beyond `most`, which shows an excess.
 void grow(std::string& bytes, std::size_t used, std::size_t most) {
   constexpr std::size_t kFirst = std::size_t{1} << 16;
   if (used == bytes.size()) bytes.resize(std::min(std::max(kFirst, 2 * used), most + 1));
 }
 
-/// Everything that the pipe `path` gives.
+/// The bytes of the pipe `path`, read to its end.
 Expected<std::string> drain(const std::filesystem::path& path, int descriptor, std::size_t most) {
   std::string bytes;
   std::size_t used = 0;
@@ -48,7 +48,7 @@ Expected<std::string> drain(const std::filesystem::path& path, int descriptor, s
   return too_large(path, most);
 }
 
-/// The gzip file `path` of one or more members.
+/// The content of the gzip file `path` of one or more members.
 Expected<std::string> gunzip(const std::filesystem::path& path, std::string_view packed, std::size_t most) {
   const auto wrong = [&](std::string_view what) { return bad_input(fmt::format("{}: {}", path.string(), what)); };
   std::string bytes;
@@ -58,7 +58,7 @@ Expected<std::string> gunzip(const std::filesystem::path& path, std::string_view
     if (end == Inflated::kTooLarge) return too_large(path, most);
     if (end == Inflated::kCutOff) return wrong("the gzip stream is cut off");
     if (end == Inflated::kDamaged) return wrong("the gzip stream is damaged");
-    // Tapes fill up with zeros; gzip passes over them, too.
+    // Tapes are filled up with zeros; gzip passes over them, too.
   } while (packed.find_first_not_of('\0') != packed.npos);
   return bytes;
 }
@@ -97,6 +97,12 @@ FileBytes FileBytes::of(std::string bytes) {
   return {std::move(owner), view};
 }
 
+Expected<FileBytes> FileBytes::of_member(const std::filesystem::path& path, std::string_view content,
+                                         std::size_t most_unpacked) {
+  if (content.substr(0, 2) != kGzipMagic) return FileBytes(nullptr, content);
+  return gunzip(path, content, most_unpacked).map(of);
+}
+
 Expected<FileBytes> FileBytes::read(const std::filesystem::path& path, std::size_t most_unpacked) {
   const Descriptor file = Descriptor::to_read(path);
   struct stat status {};
@@ -117,9 +123,9 @@ Expected<FileBytes> FileBytes::read(const std::filesystem::path& path, std::size
     bytes = {std::shared_ptr<const void>(data, unmap), {static_cast<const char*>(data), size}};
   }
   if (bytes.view().substr(0, 2) == kGzipMagic) {
-    auto unpacked = gunzip(path, bytes.view(), most_unpacked);
-    if (!unpacked) return tl::unexpected(unpacked.error());
-    bytes = of(*std::move(unpacked));
+    auto unpacked = of_member(path, bytes.view(), most_unpacked);
+    if (!unpacked) return unpacked;
+    bytes = *std::move(unpacked);
   }
   if (bytes.view().empty()) return bad_input(fmt::format("{}: the file is empty", path.string()));
   return bytes;

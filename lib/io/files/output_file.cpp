@@ -13,7 +13,7 @@ constexpr std::size_t kBufferSize = std::size_t{1} << 18;
 
 namespace fs = std::filesystem;
 
-/// Whether `path` is a link in /proc, as /dev/stdout leads to: an open file rather than a name.
+/// True if `path` is a link in /proc, to which /dev/stdout leads: an open file rather than a name.
 bool is_open_file(const fs::path& path) {
   std::error_code failure;
   const fs::path folder = fs::canonical(path.has_parent_path() ? path.parent_path() : ".", failure);
@@ -31,6 +31,22 @@ fs::path link_target(fs::path path) {
   return path;
 }
 
+fs::path destination(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path place = fs::weakly_canonical(fs::absolute(link_target(path), ignored), ignored);
+  return place.has_filename() ? place : place.parent_path();
+}
+
+bool are_one_file(const fs::path& a, const fs::path& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code ignored;
+  if (fs::exists(a, ignored) || fs::exists(b, ignored)) {
+    return fs::is_regular_file(a, ignored) && fs::equivalent(a, b, ignored);
+  }
+  const fs::path place = destination(a);
+  return !place.empty() && place == destination(b);
+}
+
 OutputFile::OutputFile(fs::path path, fs::path written_path, Descriptor descriptor)
     : path_(std::move(path)), written_path_(std::move(written_path)), descriptor_(std::move(descriptor)) {
   buffer_.reserve(kBufferSize);
@@ -44,7 +60,7 @@ Expected<OutputFile> OutputFile::create(const fs::path& path) {
     const fs::path written = target.string() + kUnfinished;
     return open_alone(written, path).map([&](Descriptor&& file) { return OutputFile(target, written, std::move(file)); });
   }
-  // What is open already may have something in it, from which this goes on.
+  // An open file may have content already, behind which this output goes.
   Descriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | O_APPEND));
   if (!file.is_open()) return call_failed(path, errno, ErrorKind::kCannotWrite);
   return OutputFile(target, target, std::move(file));
@@ -82,7 +98,7 @@ Expected<void> OutputFile::commit() {
 
 Expected<void> OutputFile::commit_unsynced() {
   flush();
-  // What closing would say, while the lock still holds the name.
+  // Closing a duplicate shows errors of closing while the lock still holds the name.
   if (failure_ == 0 && ::close(::dup(descriptor_.value())) != 0) failure_ = errno;
   if (failure_ == 0 && is_beside() && std::rename(written_path_.c_str(), path_.c_str()) != 0) failure_ = errno;
   if (failure_ != 0 && is_beside()) ::unlink(written_path_.c_str());

@@ -9,31 +9,34 @@
 
 namespace mapjoin {
 
-/// What ends the name of a file or folder that is not finished; it is cleared by what writes the finished one.
+/// The suffix of the name of an unfinished file or folder; the writer of the finished one clears what has it.
 inline constexpr const char* kUnfinished = ".mapjoin-tmp";
 
-/// Where links lead from `path`, also where nothing is yet; not through open files (/dev/stdout).
+/// The path to which the links from `path` lead, existing or not; links to open files (/dev/stdout) are not followed.
 std::filesystem::path link_target(std::filesystem::path path);
+/// The absolute path to which links and dots lead from `path`; empty if it cannot be determined.
+std::filesystem::path destination(const std::filesystem::path& path);
+/// True if both paths lead to the same file, existing or not; false for devices, pipes, folders and empty paths.
+bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Bytes go to `name.mapjoin-tmp` beside the file, which takes the name on commit() and is removed where that does not happen;
-/// the next to write the file clears what a process left there that was killed. What is there and is not a regular file (a
-/// device, a pipe) is written to directly, and so is what is open already (/dev/stdout), behind what is in it. A link stays a
-/// link. Buffered.
+/// An output file. Bytes go to `name.mapjoin-tmp` beside it, which takes the name on commit() and is otherwise removed; the
+/// next writer of the file clears what a killed process left there. Devices, pipes and open files (/dev/stdout, behind their
+/// content) are written to directly. A link stays a link. Buffered.
 class OutputFile {
  public:
-  /// kCannotWrite where the file cannot be made, or where another process is writing it.
+  /// Opens an output file; kCannotWrite if it cannot be made or another process is writing it.
   static Expected<OutputFile> create(const std::filesystem::path& path);
   OutputFile(OutputFile&& other) = default;
   ~OutputFile();
 
-  /// After a write has failed, further ones do nothing: commit() reports the failure.
+  /// Appends bytes; does nothing after a write has failed, which commit() reports.
   void write(std::string_view bytes);
-  /// Everything so far on the disk, for commit() to be all but certain; else as commit().
+  /// Puts everything so far on the disk, so that commit() is all but certain; errors as of commit().
   Expected<void> sync();
-  /// Everything on the disk and the file under its name; else kCannotWrite, with the first failure's path and reason, or
-  /// kInterrupted where a signal ended the wait for a pipe. Once.
+  /// Puts everything on the disk and the file under its name; to be called once. kCannotWrite, with the path and the reason of
+  /// the first failure; kInterrupted if a signal ended the wait for a pipe.
   Expected<void> commit();
-  /// The same without waiting for the disk: for one of many files, which a folder of their own makes appear together.
+  /// As commit(), without waiting for the disk: for one of many files that appear together in a folder of their own.
   Expected<void> commit_unsynced();
 
  private:
@@ -49,7 +52,7 @@ class OutputFile {
   std::string buffer_;
 };
 
-/// All of a file at once; kCannotWrite.
+/// Writes a whole file at once, the second function without waiting for the disk; kCannotWrite.
 Expected<void> write_file(const std::filesystem::path& path, std::string_view bytes);
 Expected<void> write_file_unsynced(const std::filesystem::path& path, std::string_view bytes);
 

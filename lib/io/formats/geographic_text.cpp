@@ -13,7 +13,7 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-GeographicPoint place_of(const Point<Dim>& point, const GeographicFrame& frame) {
+GeographicPoint geographic(const Point<Dim>& point, const GeographicFrame& frame) {
   Point<3> local = Point<3>::Zero();
   local.head<Dim>() = point;
   return frame.to_geographic(local);
@@ -21,7 +21,7 @@ GeographicPoint place_of(const Point<Dim>& point, const GeographicFrame& frame) 
 
 using Track = std::vector<GeographicPoint>;
 
-/// `[longitude,latitude]`, in space with the height.
+/// The GeoJSON position `[longitude,latitude]`, in space with the height.
 template <int Dim>
 std::string position(const GeographicPoint& place) {
   const std::string flat = fmt::format("{},{}", place.longitude, place.latitude);
@@ -35,7 +35,7 @@ std::string positions_of(const Track& line) {
   return fmt::format("[{}]", fmt::join(all, ",\n"));
 }
 
-/// Where the short way from one place to another crosses the antimeridian, on the side of the first one.
+/// The point where the short way from one place to another crosses the antimeridian, on the side of the first one.
 GeographicPoint crossing(const GeographicPoint& from, const GeographicPoint& to) {
   const double before = 180.0 - std::abs(from.longitude);
   const double behind = 180.0 - std::abs(to.longitude);
@@ -44,7 +44,7 @@ GeographicPoint crossing(const GeographicPoint& from, const GeographicPoint& to)
           std::lerp(from.height, to.height, share)};
 }
 
-/// The lines that a trajectory becomes where none may cross the antimeridian (RFC 7946, section 3.1.9).
+/// The lines of a trajectory, cut where it crosses the antimeridian (RFC 7946, section 3.1.9).
 std::vector<Track> cut_at_antimeridian(const Track& trajectory) {
   std::vector<Track> lines(1);
   for (const GeographicPoint& place : trajectory) {
@@ -90,7 +90,7 @@ Expected<void> write_geographic_csv(const GlobalMap<Dim>& map, const GeographicF
   if (!map.stamps_ns.empty()) line.add("stamp_ns");
   line.write_to(*file);
   for (const PoseIndex p : indices(map.poses)) {
-    const GeographicPoint place = place_of<Dim>(map.poses[p].translation, frame);
+    const GeographicPoint place = geographic<Dim>(map.poses[p].translation, frame);
     if (has_sessions) line.add(map.pose_ids[p].session);
     line.add(key_text(map.pose_ids[p].key)).add(place.latitude).add(place.longitude);
     if (Dim == 3) line.add(place.height);
@@ -109,7 +109,7 @@ Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& f
   Track trajectory;
   for (const PoseIndex p : indices(map.poses)) {
     const std::uint32_t session = map.pose_ids[p].session;
-    trajectory.push_back(place_of<Dim>(map.poses[p].translation, frame));
+    trajectory.push_back(geographic<Dim>(map.poses[p].translation, frame));
     const bool is_last = p + 1 == indices(map.poses).last;
     if (!is_last && map.pose_ids[p + 1].session == session) continue;
     file->write(trajectory_object<Dim>(trajectory, session));
@@ -118,7 +118,7 @@ Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& f
   }
   for (const FeatureIndex f : indices(map.features)) {
     const std::string name = fmt::format("\"feature\":\"{}\"", key_text(map.feature_ids[f].key));
-    file->write(object("Point", position<Dim>(place_of<Dim>(map.features[f], frame)), name));
+    file->write(object("Point", position<Dim>(geographic<Dim>(map.features[f], frame)), name));
     file->write(f + 1 == indices(map.features).last ? "\n" : ",\n");
   }
   file->write("]}\n");

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a format has a place for.
+/// The data that a format has a place for.
 struct Room {
   bool edges = true;
   bool observations = true;
@@ -29,27 +29,27 @@ struct Room {
   bool fixed = false;
   bool stamps = false;
   bool names = true;
-  bool one_numbering = false;  ///< Of poses and features.
+  bool one_numbering = false;  ///< True if poses and features share one numbering.
   Weights weights = Weights::kExact;
 };
 
 /// All that the library knows of a format. A new one is a row of the table below.
 struct Format {
   std::string_view extension;
-  bool (*is)(std::string_view bytes);  ///< Known by its content.
+  bool (*is)(std::string_view bytes);  ///< True if the content is in this format.
   Expected<AnyLog> (*read)(std::string_view bytes, const std::string& file, const ReadOptions& options);
   Expected<void> (*write_plane)(const Log<2>& log, const fs::path& path) = nullptr;
-  Expected<void> (*write_space)(const Log<3>& log, const fs::path& path) = nullptr;  ///< Null where it is for the plane.
+  Expected<void> (*write_space)(const Log<3>& log, const fs::path& path) = nullptr;  ///< Null if the format is for the plane.
   Room room = {};
 };
 
-/// Whether the first line of a text begins with a tag.
+/// True if the first line of a text begins with a tag that `is_tag` knows.
 template <bool (*is_tag)(std::string_view)>
 bool begins(std::string_view bytes) {
   TextScanner text("", bytes);
   return text.next_line() && is_tag(text.word());
 }
-/// Whether the first line of a text is a format's.
+/// True if the first line of a text is one that `is_line` knows.
 template <bool (*is_line)(TextScanner)>
 bool begins(std::string_view bytes) {
   return is_line(TextScanner("", bytes));
@@ -73,7 +73,7 @@ bool is_isam_tag(std::string_view tag) {
   return kIsamPlane.has_tag(tag) || kIsamSpace.has_tag(tag);
 }
 
-/// Whether a text has lines of a tag that is not iSAM's, if it begins like a file of iSAM's.
+/// True if a text begins with a format's own tag or with one of iSAM's, and has an own tag in any line.
 template <bool (*is_own)(std::string_view)>
 bool begins_like_isam(std::string_view bytes) {
   if (!begins<is_own>(bytes) && !begins<is_isam_tag>(bytes)) return false;
@@ -101,15 +101,16 @@ Expected<void> write_values(const Log<Dim>& log, const fs::path& path) {
   return write(values_of(log), path);
 }
 
-/// The row of a text of edges, which is read as it says unless another way is given.
+template <int Dim, const EdgeText<Dim>& format>
+Expected<void> write_edges(const Log<Dim>& log, const fs::path& path) {
+  return write_edge_text(log, format, path);
+}
+
+/// The row of a text of edges, which is read as the format says unless another reader is given.
 template <const EdgeText<2>& plane, const EdgeText<3>* space>
-Format edges_row(std::string_view extension, bool (*is)(std::string_view),
+Format edges_row(std::string_view extension, bool (*is)(std::string_view), decltype(Format::write_space) write_space,
                  decltype(Format::read) read = read_text<read_edges<plane, space>>) {
-  Format row{extension, is, read};
-  row.write_plane = [](const Log<2>& log, const fs::path& path) { return write_edge_text(log, plane, path); };
-  if constexpr (space != nullptr) {
-    row.write_space = [](const Log<3>& log, const fs::path& path) { return write_edge_text(log, *space, path); };
-  }
+  Format row{extension, is, read, write_edges<2, plane>, write_space};
   row.room.observations = !plane.observation_tag.empty();
   row.room.pose_values = !plane.pose_tag.empty();
   row.room.one_numbering = plane.one_numbering;
@@ -119,10 +120,9 @@ Format edges_row(std::string_view extension, bool (*is)(std::string_view),
 
 constexpr Room kTrajectory{.edges = false, .observations = false, .pose_values = true, .names = false};
 constexpr Room kStampedTrajectory{.edges = false, .observations = false, .pose_values = true, .stamps = true, .names = false};
-
 constexpr Room kPoseTable{.edges = false, .observations = false, .pose_values = true, .stamps = true};
 
-/// In the order of LogFormat, in which they are recognised.
+/// The row of a format; rows are in the order of LogFormat, in which formats are recognised.
 const Format& row_of(LogFormat format) {
   static const std::array<Format, 9> rows{{
       {".g2o",
@@ -131,10 +131,10 @@ const Format& row_of(LogFormat format) {
        write_g2o<2>,
        write_g2o<3>,
        {.priors = true, .pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},
-      edges_row<kToroPlane, &kToroSpace>(".graph", begins_like_isam<is_toro_vertex>),
-      edges_row<kGtsamText, nullptr>(".gtsam", begins_like_isam<is_gtsam_odometry>),
-      edges_row<kIsamPlane, &kIsamSpace>(".isam", begins<is_isam_tag>),
-      edges_row<kOdomObs, nullptr>(".txt", begins<is_covariance_text_tag>, read_text<read_covariance_text>),
+      edges_row<kToroPlane, &kToroSpace>(".graph", begins_like_isam<is_toro_vertex>, write_edges<3, kToroSpace>),
+      edges_row<kGtsamText, nullptr>(".gtsam", begins_like_isam<is_gtsam_odometry>, nullptr),
+      edges_row<kIsamPlane, &kIsamSpace>(".isam", begins<is_isam_tag>, write_edges<3, kIsamSpace>),
+      edges_row<kOdomObs, nullptr>(".txt", begins<is_covariance_text_tag>, nullptr, read_text<read_covariance_text>),
       {".mat", is_mat_file, read_mat_log, write_mat_log, nullptr, {.weights = Weights::kCovariance}},
       {".tum", begins<is_tum_line>, read_text<read_tum_log>, write_values<2, write_tum>, write_values<3, write_tum>,
        kStampedTrajectory},
@@ -147,10 +147,11 @@ const Format& row_of(LogFormat format) {
 
 struct Known {
   LogFormat format = {};
-  std::size_t begin = 0;  ///< Of the line that it is known by.
+  std::size_t begin = 0;  ///< Start of the line by which the format is known.
 };
 
-/// The format that is asked for, else the one known by the first line that may not be left out; and where that line is.
+/// The format that the options ask for, otherwise the one known by the first line that may not be left out, and the start of
+/// that line; nullopt if no format is known.
 std::optional<Known> known_format(std::string_view bytes, const ReadOptions& options) {
   for (std::size_t begin = 0;;) {
     for (const auto& [format, name] : enum_names(LogFormat{})) {
@@ -176,7 +177,7 @@ Expected<AnyLog> read_table(const Known& known, std::string_view bytes, const st
   });
 }
 
-/// How many poses and features no edge mentions.
+/// The number of poses and features that no edge mentions.
 template <int Dim>
 std::size_t unmentioned(const Log<Dim>& log) {
   Table<PoseIndex, bool> pose(log.poses.size());
@@ -262,7 +263,7 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
 Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options) {
   if (const auto known = known_format(bytes, options)) {
     const Format& format = row_of(known->format);
-    const bool reads_skip = format.room.edges;  // they know what to leave out by its tag
+    const bool reads_skip = format.room.edges;  // Such readers leave lines out by their tag.
     return reads_skip || known->begin == 0 ? format.read(bytes, file, options) : read_table(*known, bytes, file, options);
   }
   TextScanner text(file, bytes);

@@ -46,24 +46,14 @@ void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
   }
 }
 
-/// Whether a file that is written to one of these takes the place of that at the other.
-bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-  std::error_code ignored;
-  if (std::filesystem::exists(a, ignored) && !std::filesystem::is_regular_file(a, ignored)) return false;
-  const auto place_of = [&](const std::filesystem::path& path) {
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(link_target(path), ignored), ignored);
-  };
-  return !place_of(a).empty() && place_of(a) == place_of(b);
-}
-
-/// One for each of `all`.
+/// Throws std::invalid_argument unless `list` has one element for each of `all`.
 template <typename List, typename All>
 void demand_each(const List& list, const All& all, const char* what) {
   if (list.size() == all.size()) return;
   throw std::invalid_argument(fmt::format("a map has {} {}, but {} of these", list.size(), what, all.size()));
 }
 
-/// One for each of `all`, or none.
+/// Throws std::invalid_argument unless `list` is empty or has one element for each of `all`.
 template <typename List, typename All>
 void demand_all_or_none(const List& list, const All& all, const char* what) {
   if (!list.empty()) demand_each(list, all, what);
@@ -91,6 +81,11 @@ void demand_whole(const GlobalMap<Dim>& map) {
   demand_all_or_none(map.stamps_ns, map.poses, "stamps of poses");
   demand_all_or_none(map.pose_covariances, map.poses, "covariances of poses");
   demand_all_or_none(map.feature_covariances, map.features, "covariances of features");
+  const auto is_finite = [](const auto& covariance) { return covariance.allFinite(); };
+  if (!is_valid(map) || !std::ranges::all_of(map.pose_covariances, is_finite) ||
+      !std::ranges::all_of(map.feature_covariances, is_finite)) {
+    throw std::invalid_argument("a map has a value that is not finite, or no rotation");
+  }
   const auto is_missing = [&](PoseIndex pose) { return pose.position() >= map.poses.size(); };
   if (std::ranges::any_of(map.gauge, is_missing)) throw std::invalid_argument("a map is anchored at a pose that is not in it");
 }

@@ -23,7 +23,7 @@ struct Motion {
   Matrix<3> P = Matrix<3>::Zero();
 };
 
-/// Along an arc for `seconds`.
+/// Appends motion along an arc for `seconds` (s).
 void move_on(const Velocity& velocity, double seconds, const MrclamNoise& noise, Motion& motion) {
   const double turned = velocity.turn * seconds;
   const double chord = std::abs(turned) < 1e-9 ? 1.0 : std::sin(0.5 * turned) / (0.5 * turned);
@@ -37,7 +37,7 @@ void move_on(const Velocity& velocity, double seconds, const MrclamNoise& noise,
   motion.P = J_before * motion.P * J_before.transpose() + J_step * Q * J_step.transpose();
 }
 
-/// Takes a robot's motion from time to time.
+/// Integrates a robot's motion from one time to the next.
 class Driver {
  public:
   Driver(const std::vector<Velocity>& odometry, const MrclamNoise& noise)
@@ -65,7 +65,7 @@ std::int64_t nanoseconds(double seconds) {
   return std::llround(1e9 * seconds);
 }
 
-/// What was seen, in the frame of the robot.
+/// The position of something seen, in the frame of the robot.
 struct Position {
   Point<2> value;
   Matrix<2> information;
@@ -73,7 +73,7 @@ struct Position {
 
 Position position_of(const BarcodeSighting& seen, const MrclamNoise& noise) {
   const Point<2> ahead(std::cos(seen.bearing), std::sin(seen.bearing));
-  Matrix<2> R;  // Along the sight, and across it.
+  Matrix<2> R;  // Columns along the line of sight, and across it.
   R << ahead.x(), -ahead.y(), ahead.y(), ahead.x();
   const Vector<2> deviations(noise.range, seen.range * noise.bearing);
   const Matrix<2> W = R * deviations.cwiseAbs2().cwiseInverse().asDiagonal() * R.transpose();
@@ -99,7 +99,7 @@ std::map<std::uint64_t, std::vector<double>> times_of_poses(const Team& team) {
 /// The poses of a robot by their times (s).
 using Poses = std::map<double, PoseId>;
 
-/// Adds what a robot drives from one pose until `time` (s), where the next one is.
+/// Adds the odometry of a robot from one pose to the next, at `time` (s).
 Expected<void> add_step(PoseId pose, PoseId next, double time, Driver& driver, LogBuilder<2>& builder) {
   const Motion motion = driver.drive_to(time);
   const auto W = information_of_covariance<3>(0.5 * (motion.P + motion.P.transpose()));
@@ -114,7 +114,7 @@ Expected<void> add_step(PoseId pose, PoseId next, double time, Driver& driver, L
 /// Adds the poses of a robot at `times` (s), which ascend, and the odometry between them.
 Expected<Poses> add_poses(std::uint32_t session, const Robot& robot, const std::vector<double>& times, const MrclamNoise& noise,
                           LogBuilder<2>& builder) {
-  constexpr double kLeastSeconds = 1e-4;  // Closer sightings are of one pose: their motion would have no covariance.
+  constexpr double kLeastSeconds = 1e-4;  // Closer sightings share a pose: the motion between would have no covariance.
   Driver driver(robot.odometry, noise);
   Poses poses;
   PoseId pose{session, 0};
@@ -133,21 +133,22 @@ Expected<Poses> add_poses(std::uint32_t session, const Robot& robot, const std::
   return poses;
 }
 
-/// A robot that is seen: where it is, not how it is turned.
+/// Adds a robot that is seen as a closure that measures its position, not its rotation.
 void add_meeting(PoseId pose, PoseId other, const Position& position, LogBuilder<2>& builder) {
   Matrix<3> W = Matrix<3>::Zero();
   W.topLeftCorner<2, 2>() = position.information;
   builder.add_pose_edge(pose, other, {position.value, Rotation<2>()}, W);
 }
 
-/// What the robots saw from their poses, by subject.
+/// Adds the robots' sightings, from their poses by subject.
 void add_sightings(const Team& team, const std::map<std::uint64_t, Poses>& poses, const MrclamNoise& noise,
                    LogBuilder<2>& builder) {
   for (const auto& [subject, robot] : team.robots) {
     for (const BarcodeSighting& seen : robot.sightings) {
       const auto other = team.subject_of(seen, subject);
       if (!other) {
-        builder.add_unassociated();
+        const std::string_view kind = team.kind_left_out(seen, subject);
+        kind.empty() ? builder.add_unassociated() : builder.add_skipped(kind);
         continue;
       }
       const PoseId pose = poses.at(subject).at(seen.time);

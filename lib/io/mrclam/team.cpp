@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Velocities (m/s, rad/s) and ranges (m) beyond are no robot's.
+/// Bounds of velocities (m/s, rad/s) and ranges (m), beyond what any robot has.
 constexpr double kMostSpeed = 1e6;
 constexpr double kLeastRange = 1e-6;
 constexpr double kMostRange = 1e6;
@@ -34,7 +34,7 @@ Expected<void> read_lines(const fs::path& path, const Read& read) {
   });
 }
 
-/// Times are told apart to the nanosecond in 64 bits.
+/// Reads a time (s), bounded so that its nanoseconds fit into 64 bits.
 double read_time(TextScanner& text) {
   constexpr double kMost = 9e9;
   const double time = text.number();
@@ -42,7 +42,7 @@ double read_time(TextScanner& text) {
   return time;
 }
 
-/// In the order of their times.
+/// The lines of a file, in the order of their times.
 template <typename Line, typename Read>
 Expected<std::vector<Line>> read_timed(const fs::path& path, const Read& read) {
   std::vector<Line> lines;
@@ -83,7 +83,7 @@ Expected<std::map<std::uint64_t, std::uint64_t>> read_subjects(const fs::path& p
       .map([&] { return std::move(subjects); });
 }
 
-/// Nothing where the folder has no odometry of the robot.
+/// The odometry and sightings of a robot; nullopt if the folder has no odometry of it.
 Expected<std::optional<Robot>> read_robot(const fs::path& folder, std::uint64_t subject) {
   const fs::path odometry_file = file_in(folder, fmt::format("Robot{}_Odometry.dat", subject));
   std::error_code ignored;
@@ -105,6 +105,13 @@ std::optional<std::uint64_t> Team::subject_of(const BarcodeSighting& seen, std::
   const auto other = robots.find(subject->second);
   if (other == robots.end() || other->first == robot || !other->second.has_odometry_at(seen.time)) return std::nullopt;
   return subject->second;
+}
+
+std::string_view Team::kind_left_out(const BarcodeSighting& seen, std::uint64_t robot) const {
+  const auto subject = subjects.find(seen.barcode);
+  if (subject == subjects.end() || subject->second == robot) return "";
+  const bool is_there = is_landmark(subject->second) || robots.contains(subject->second);
+  return is_there ? "sightings before the first odometry" : "sightings of robots that are not in the folder";
 }
 
 Expected<Team> read_team(const fs::path& folder) {

@@ -19,7 +19,7 @@ constexpr const char* kTables[] = {
 };
 constexpr std::size_t kChunkSize = std::size_t{1} << 20;
 
-/// The arrays in chunks of whole records, in the order in which they stand in the file.
+/// Hands the arrays to `take` in chunks of whole records, in the order of the file.
 template <int Dim, typename Take>
 void visit_chunks(const Contents<Dim>& contents, const Take& take) {
   visit_arrays(contents.log, contents.segments, [&](std::string_view name, const auto& records) {
@@ -34,9 +34,12 @@ void visit_chunks(const Contents<Dim>& contents, const Take& take) {
 template <int Dim>
 Info info_of(const Contents<Dim>& contents) {
   Info info{{"dimension", std::to_string(Dim)}, {"source", contents.log.source}, {"options", contents.options}};
-  const Portion& portion = contents.portion;
   for (const auto& [what, count] : contents.log.skipped) info[std::string(kSkipped) + what] = std::to_string(count);
-  if (!portion.is_whole()) info[kPortion] = fmt::format("{}/{}", portion.index + 1, portion.count);
+  const auto put = [&](const char* key, const auto& one_of) {
+    if (!one_of.is_whole()) info[key] = fmt::format("{}/{}", one_of.index + 1, one_of.count);
+  };
+  put(kPortion, contents.portion);
+  put(kShare, contents.share);
   visit_numbers(contents.log, [&]<typename Number>(const char* key, Number number) {
     if constexpr (std::is_enum_v<Number>) {
       info[key] = fmt::format("{}", static_cast<int>(number));
@@ -63,7 +66,7 @@ Expected<void> check_integrity(Database& database) {
     return true;
   });
   if (!checked || found == "ok") return checked;
-  // What is wrong stands below a line that names the database.
+  // The fault stands below a line that names the database.
   return database.damaged(printable(found.substr(found.rfind('\n') + 1)));
 }
 

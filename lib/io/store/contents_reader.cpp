@@ -15,20 +15,22 @@
 namespace mapjoin::store {
 namespace {
 
-/// Nothing where what `info` says is no portion.
-std::optional<Portion> portion_of(const Info& info) {
-  const auto found = info.find(kPortion);
-  if (found == info.end()) return Portion{};
+/// Takes the portion or share, "2/4", under `key` in `info`, the whole if there is none; false if it makes no sense.
+template <typename OneOf>
+bool take_one_of(const Info& info, const char* key, OneOf& one_of) {
+  const auto found = info.find(key);
+  if (found == info.end()) return true;
   std::istringstream text(found->second);
   std::size_t number = 0;
   std::size_t count = 0;
   char slash = 0;
   const bool is_read = static_cast<bool>(text >> number >> slash >> count) && text.eof();
-  if (!is_read || slash != '/' || number < 1 || number > count || count < 2) return std::nullopt;
-  return Portion{number - 1, count};
+  if (!is_read || slash != '/' || number < 1 || number > count || count < 2) return false;
+  one_of = {number - 1, count};
+  return true;
 }
 
-/// The number that `info` has under `key`; an enumeration's is 0 or 1. False where there is none.
+/// Takes the number under `key` in `info`, which is 0 or 1 for an enumeration; false if it is missing or makes no sense.
 template <typename Number>
 bool take_number(const Info& info, const std::string& key, Number& number) {
   const auto found = info.find(key);
@@ -42,7 +44,7 @@ bool take_number(const Info& info, const std::string& key, Number& number) {
   return true;
 }
 
-/// The log that LogBuilder makes of these arrays; std::out_of_range where one names what is not there.
+/// The log that LogBuilder makes of these arrays. Throws std::out_of_range if one refers to a pose or feature that is missing.
 template <int Dim>
 Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
   LogBuilder<Dim> builder(source, log.conventions);
@@ -50,7 +52,7 @@ Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
   return std::move(builder).finish(log.poses);
 }
 
-/// Nothing where its arrays do not hang together.
+/// The log built anew; nullopt if its arrays do not fit together.
 template <int Dim>
 std::optional<Expected<Log<Dim>>> built_if_sound(const Log<Dim>& log, const std::string& source) {
   const auto fits = [](const auto& values, const auto& names) { return values.size() <= names.size(); };
@@ -72,15 +74,15 @@ bool are_in_order(const std::vector<Segment>& segments, const Log<Dim>& log) {
   return true;
 }
 
-/// The arrays of these rows as they stand, with what is said of them.
+/// The arrays in these rows as they stand, with the numbers and texts in `info`.
 template <int Dim>
 Expected<StoredMaps<Dim>> read_arrays(Database& database, std::string_view rows) {
   auto info = read_info(database);
   if (!info) return tl::unexpected(info.error());
   StoredMaps<Dim> stored;
   std::string fault;
-  const std::optional<Portion> portion = portion_of(*info);
-  if (!portion) fault = "info portion makes no sense";
+  if (!take_one_of(*info, kPortion, stored.portion)) fault = "info portion makes no sense";
+  if (!take_one_of(*info, kShare, stored.share)) fault = "info part makes no sense";
   visit_numbers(stored.log, [&](const char* key, auto& number) {
     if (!take_number(*info, key, number)) fault = fmt::format("info {} is missing or makes no sense", key);
   });
@@ -101,7 +103,6 @@ Expected<StoredMaps<Dim>> read_arrays(Database& database, std::string_view rows)
   if (!fault.empty()) return database.damaged(fault);
   stored.log.source = (*info)["source"];
   stored.options = (*info)["options"];
-  stored.portion = *portion;
   return stored;
 }
 

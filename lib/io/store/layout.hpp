@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Under which names the numbers and arrays of a log stand in a store.
+// The names of the numbers and arrays of a log in a store.
 
 #include <map>
 #include <mapjoin/io/store/contents.hpp>
@@ -23,7 +23,7 @@ void visit_arrays(Log& log, Segments&& segments, const Visit& visit) {
   visit("segments", segments);
 }
 
-/// Hands every number that stands alone to `visit`, with its name in the file.
+/// Hands every single number to `visit`, with its name in the file.
 template <typename Log, typename Visit>
 void visit_numbers(Log& log, const Visit& visit) {
   visit("unassociated", log.unassociated);
@@ -42,9 +42,11 @@ inline bool is_of_factors(std::string_view array) {
 
 using Info = std::map<std::string, std::string>;
 
-/// Where it stands in `info`, "2/4", if a store has not all factors of its log.
+/// The key in `info` of the portion, "2/4", of a store that has not all factors of its log.
 inline constexpr const char* kPortion = "portion";
-/// Begins the keys of what the reader of the log left out: "skipped self-edges", with how often.
+/// The key in `info` of the share, "2/4", of a store that has not all local maps of its log.
+inline constexpr const char* kShare = "part";
+/// The prefix of the keys that count what the reader of the log left out: "skipped self-edges".
 inline constexpr std::string_view kSkipped = "skipped ";
 
 Expected<Info> read_info(Database& database);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Local maps out of the rows of a store that may be a stranger's.
+// Local maps from the rows of a store that is not trusted.
 
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/io/store/database.hpp>
 #include <mapjoin/io/store/records.hpp>
 #include <mapjoin/model/local_map.hpp>
-#include <mapjoin/model/log.hpp>
 #include <mapjoin/model/segment.hpp>
 #include <optional>
 #include <utility>
@@ -15,7 +14,7 @@
 
 namespace mapjoin::store {
 
-/// The map of a row; nothing where the sizes of its parts do not agree.
+/// The map of a row; nullopt if the sizes of its parts do not agree.
 template <int Dim>
 std::optional<LocalMap<Dim>> map_of(const Statement& row) {
   LocalMap<Dim> map;
@@ -31,9 +30,9 @@ std::optional<LocalMap<Dim>> map_of(const Statement& row) {
   return map;
 }
 
-/// Whether a map is one of `segment`, over poses and features of the log, in sound numbers.
+/// True if a map is one of `segment`, over its poses and some of the features, with valid numbers.
 template <int Dim>
-bool is_map_of(const LocalMap<Dim>& map, const Segment& segment, const Log<Dim>& log) {
+bool is_map_of(const LocalMap<Dim>& map, const Segment& segment, IndexRange<FeatureIndex> all) {
   PoseIndex last = segment.begin;
   for (const PoseIndex pose : map.poses) {
     if (pose <= last || pose > segment.end) return false;
@@ -42,7 +41,7 @@ bool is_map_of(const LocalMap<Dim>& map, const Segment& segment, const Log<Dim>&
   std::vector<FeatureIndex> features = map.features;
   std::sort(features.begin(), features.end());
   const bool is_once = std::adjacent_find(features.begin(), features.end()) == features.end();
-  const bool is_known = std::ranges::all_of(features, [&](FeatureIndex f) { return indices(log.features).contains(f); });
+  const bool is_known = std::ranges::all_of(features, [&](FeatureIndex f) { return all.contains(f); });
   return map.base == segment.begin && last == segment.end && is_once && is_known && std::isfinite(map.chi2) && !fault(map);
 }
 

@@ -11,13 +11,13 @@ namespace {
 using store::Database;
 using store::Statement;
 
-/// The map in a row of `segment`; nothing where none was determined.
+/// The map in a row of `segment`; nullopt if none was determined. Bad input if it makes no sense.
 template <int Dim>
 Expected<std::optional<LocalMap<Dim>>> checked_map(const Database& database, const Statement& row, const Segment& segment,
                                                    const Log<Dim>& log) {
   if (row.is_null(1)) return std::nullopt;
   auto map = store::map_of<Dim>(row);
-  if (map && store::is_map_of(*map, segment, log)) return map;
+  if (map && store::is_map_of(*map, segment, indices(log.features))) return map;
   return database.damaged(fmt::format("the local map of {} to {} makes no sense", to_string(log.poses[segment.begin]),
                                       to_string(log.poses[segment.end])));
 }

@@ -15,14 +15,14 @@ namespace fs = std::filesystem;
 using store::Database;
 using store::Statement;
 
-/// What the header of an SQLite file says of it.
+/// The header of an SQLite file.
 struct Header {
   std::int64_t application_id = 0;
   std::int64_t version = 0;
-  bool is_alone = false;  ///< Reading needs no other files beside it.
+  bool is_alone = false;  ///< True if reading needs no other files beside it.
 };
 
-/// Nothing where the file does not begin as an SQLite file does.
+/// The header of a file; nullopt if it does not begin as an SQLite file does.
 std::optional<Header> read_header(const fs::path& path) {
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   std::array<char, 100> bytes{};
@@ -39,10 +39,10 @@ std::optional<Header> read_header(const fs::path& path) {
   return Header{big_endian(68), big_endian(60), bytes[18] == kRollback && bytes[19] == kRollback};
 }
 
-/// Takes the row of every segment that is a map; where the map was not determined, the segment becomes a raw segment.
+/// Reads the map of every segment that is a map; a segment whose map was not determined becomes a raw segment.
 template <int Dim>
 Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
-  std::vector<std::size_t> of_segment;  ///< By map.
+  std::vector<std::size_t> of_segment;  ///< Segment of each map.
   std::string fault;
   std::size_t next = 0;
   const auto skip_spans = [&] {
@@ -71,7 +71,7 @@ Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
   }
   return parallel_try(stored.maps.size(), [&](std::size_t m) -> Expected<void> {
     const Segment& segment = stored.segments[of_segment[m]];
-    if (store::is_map_of(stored.maps[m], segment, stored.log)) return {};
+    if (store::is_map_of(stored.maps[m], segment, indices(stored.log.features))) return {};
     const auto name = [&](PoseIndex pose) { return to_string(stored.log.poses[pose]); };
     return database.damaged(fmt::format("the local map of {} to {} makes no sense", name(segment.begin), name(segment.end)));
   });

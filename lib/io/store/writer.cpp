@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/system_call.hpp>
+#include <mapjoin/io/store/map_rows.hpp>
 #include <mapjoin/io/store/records.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <stdexcept>
@@ -17,8 +18,8 @@ using store::Contents;
 using store::Database;
 using store::Statement;
 
-/// A batch is one transaction. Its bounds depend on the maps alone: so does then every byte of the file, where a build that was
-/// interrupted goes on after the last whole batch.
+/// The bounds of a batch, which is one transaction. They depend on the maps alone, and so does every byte of the file, even if
+/// an interrupted build goes on after the last whole batch.
 constexpr std::size_t kBatchMaps = 256;
 constexpr std::size_t kBatchBytes = std::size_t{8} << 20;
 
@@ -26,28 +27,32 @@ tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reas
   return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: {}", path.string(), reason)});
 }
 
-/// Whether an earlier build left just these contents in the file. Bad input where it is damaged; kCannotWrite where it is
-/// another program's database.
+/// True if an earlier build left exactly these contents in the file; bad input if it is damaged, kCannotWrite if it is another
+/// program's database.
 template <int Dim>
 Expected<bool> is_this_build(Database& database, const fs::path& path, const Contents<Dim>& contents) {
   const auto tables = database.integer("SELECT count(*) FROM sqlite_master");
   if (!tables) return tl::unexpected(tables.error());
   const auto application = database.integer("PRAGMA application_id");
+  if (!application) return tl::unexpected(application.error());
   const auto version = database.integer("PRAGMA user_version");
-  if (*tables == 0 && application == 0) return false;
-  if (application != store::kApplicationId) return cannot_write(path, "is in the way, and not a mapjoin store");
-  if (version != store::kVersion) return false;
+  if (!version) return tl::unexpected(version.error());
+  if (*tables == 0 && *application == 0) return false;
+  if (*application != store::kApplicationId) return cannot_write(path, "is in the way, and not a mapjoin store");
+  if (*version != store::kVersion) return false;
   return store::check_database(database).and_then([&] { return store::holds_contents(database, contents); });
 }
 
-/// Whatever an interrupted build had not finished is rolled back here; another running build is kept out until the end.
+/// Opens and locks a database: unfinished work of an interrupted build is rolled back, and other builds are kept out until the
+/// end.
 Expected<Database> open_locked(const fs::path& path) {
   return Database::open(path).and_then([](Database&& database) {
     return database.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE").map([&] { return std::move(database); });
   });
 }
 
-/// The database at `path` with the contents in it, inside an open transaction. What is there and is damaged is told.
+/// The database at `path` with the contents in it, inside an open transaction; `found_damaged` tells if a damaged one was
+/// there.
 template <int Dim>
 Expected<Database> open_with(const fs::path& path, const Contents<Dim>& contents, bool& found_damaged) {
   auto database = open_locked(path);
@@ -66,7 +71,7 @@ Expected<Database> open_with(const fs::path& path, const Contents<Dim>& contents
   });
 }
 
-/// The new name on the disk, where the folder can be asked for that.
+/// Puts the new name on the disk, if the folder can be opened.
 void sync_folder(const fs::path& path) {
   const Descriptor folder = Descriptor::to_read(path);
   if (folder.value() >= 0) ::fsync(folder.value());
@@ -79,13 +84,17 @@ fs::path unfinished_store(const fs::path& path) {
 }
 
 template <int Dim>
-StoreWriter<Dim>::StoreWriter(fs::path path, Database database, Statement insert)
-    : path_(std::move(path)), database_(std::move(database)), insert_(std::move(insert)) {}
+StoreWriter<Dim>::StoreWriter(fs::path path, Database database, Statement insert, std::vector<Segment> segments)
+    : path_(std::move(path)), database_(std::move(database)), insert_(std::move(insert)), segments_(std::move(segments)) {
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    if (segments_[i].is_map) maps_.push_back(i);
+  }
+}
 
 template <int Dim>
 Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Log<Dim>& log,
                                                   const std::vector<Segment>& segments, const std::string& options,
-                                                  const Portion& portion) {
+                                                  const Portion& portion, const Share& share) {
   const fs::path target = link_target(path);
   std::error_code ignored;
   if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
@@ -93,19 +102,17 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
   }
   if (has_levers(log.graph)) return cannot_write(path, "a store has no place for priors with levers");
   bool found_damaged = false;
-  auto database = open_with(unfinished_store(path), Contents<Dim>{log, segments, options, portion}, found_damaged);
+  auto database = open_with(unfinished_store(path), Contents<Dim>{log, segments, options, portion, share}, found_damaged);
   if (!database) return tl::unexpected(database.error());
   auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());
-  StoreWriter writer(target, std::move(*database), std::move(*insert));
+  StoreWriter writer(target, std::move(*database), std::move(*insert), segments);
   writer.found_damaged_ = found_damaged;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    if (segments[i].is_map) writer.maps_.push_back(i);
-  }
+  writer.features_ = indices(log.features);
   const auto done = writer.database_->integer("SELECT count(*) FROM maps");
   const auto undetermined = writer.database_->integer("SELECT count(*) FROM maps WHERE base IS NULL");
   if (!done || !undetermined) return tl::unexpected(done ? undetermined.error() : done.error());
-  writer.done_ = std::min(static_cast<std::size_t>(*done), writer.maps_.size());  // They are added in order.
+  writer.done_ = std::min(static_cast<std::size_t>(*done), writer.maps_.size());  // Maps are added in order.
   writer.undetermined_ = static_cast<std::size_t>(*undetermined);
   return writer;
 }
@@ -113,6 +120,9 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
 template <int Dim>
 Expected<void> StoreWriter<Dim>::add(std::size_t segment, const std::optional<LocalMap<Dim>>& map) {
   if (to_do().empty() || segment != to_do().front()) throw std::invalid_argument("not the next segment of a store");
+  if (map && !store::is_map_of(*map, segments_[segment], features_)) {
+    throw std::invalid_argument("not a local map of the next segment of a store");
+  }
   insert_->bind(static_cast<std::int64_t>(segment));
   const auto inserted = map ? insert(*map) : insert_->step();
   if (!inserted) return tl::unexpected(inserted.error());
@@ -142,7 +152,7 @@ Expected<void> StoreWriter<Dim>::finish() {
   const fs::path partial = unfinished_store(path_);
   if (auto committed = database_->execute("COMMIT; PRAGMA journal_mode = OFF"); !committed) return committed;
   insert_.reset();
-  // The lock lasts until the file has its name: no other build takes it for one that was interrupted.
+  // The lock lasts until the file has its name, so that no other build takes it for an interrupted one.
   std::error_code error;
   fs::remove(partial.string() + "-journal", error);
   fs::rename(partial, path_, error);
@@ -157,7 +167,7 @@ Expected<void> write_store(const SubmapSet<Dim>& set, const fs::path& path) {
   if (!set.graph.pose_factors.empty() || !set.graph.feature_factors.empty()) {
     throw std::invalid_argument("a store holds a set of local maps alone");
   }
-  Log<Dim> log;  // What a store says of the maps beside themselves.
+  Log<Dim> log;  // Everything in the store but the maps.
   log.source = set.source;
   log.poses = set.poses;
   log.features = set.features;

@@ -54,6 +54,35 @@ TYPED_TEST(AlignmentTest, TakesAMovedMapBackByWhatBothKnow) {
   EXPECT_LT((other.map.features[0] - first.map.features[1]).norm(), 1e-12);
 }
 
+TYPED_TEST(AlignmentTest, TakesATrajectoryThatCountsItsPosesByItsTimes) {
+  constexpr int kDim = TypeParam::value;
+  PlottedMap<kDim> first = some_map<kDim>();
+  PlottedMap<kDim> other;
+  for (const PoseIndex k : indices(first.map.poses)) {
+    first.map.stamps_ns.push_back(1'000'000'000 * std::int64_t{k.value});
+    if (k.value % 2 != 0) continue;
+    other.map.pose_ids.push_back({0, other.map.pose_ids.size()});
+    other.map.poses.push_back(first.map.poses[k]);
+    other.map.stamps_ns.push_back(first.map.stamps_ns[k] + 1'000'000);
+  }
+  Random random(11);
+  const Pose<kDim> motion = random.template pose<kDim>();
+  move(motion, other);
+  const auto back = alignment(first.map, other.map);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_LT((back->translation - motion.translation).norm(), 1e-12);
+  const auto frame = alignment(other.map, first.map);
+  ASSERT_TRUE(frame) << frame.error().message;
+  move(*frame, other);
+  EXPECT_LT((other.map.poses[3].translation - first.map.poses[6].translation).norm(), 1e-12);
+
+  for (PoseIndex k = 1; k < 8; k = k + 2) first.map.pose_ids[k].session = 1;
+  const auto none = alignment(other.map, first.map);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().message,
+            "sessions 0 and 1 are both under way at 2.001 s, and a trajectory does not say of which it is");
+}
+
 TYPED_TEST(AlignmentTest, IsNoneWhereMapsShareTooLittle) {
   constexpr int kDim = TypeParam::value;
   const PlottedMap<kDim> first = some_map<kDim>();

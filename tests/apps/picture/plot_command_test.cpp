@@ -147,6 +147,16 @@ TEST_F(Plot, MapsThatShareNothingAreDrawnAsTheyStand) {
   EXPECT_THAT(ended.err, AllOf(HasSubstr("b.g2o: shares too little with the first map"), Not(HasSubstr("a.g2o: shares"))));
 }
 
+TEST_F(Plot, SaysOfHowManyPosesTheTruthIs) {
+  const std::string map =
+      folder.file("map.tum", "9.5 0 0 0 0 0 0 1\n10.5 1 0 0 0 0 0 1\n11.5 1 1 0 0 0 0 1\n12.5 1 2 0 0 0 0 1\n").string();
+  const std::string truth =
+      folder.file("truth.tum", "9.502 0 0 0 0 0 0 1\n10.495 1 0 0 0 0 0 1\n11.501 1 1 0 0 0 0 1\n12 1 2 0 0 0 0 1\n").string();
+  const Ended ended = call({"plot", map, "--truth", truth, "-o", path("plot.svg")});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_EQ(ended.err, "mapjoin: " + truth + ": has 3 of the 4 poses of the first map, and is drawn at no others\n");
+}
+
 TEST_F(Plot, RefusesWhatDoesNotGoTogether) {
   const std::string other = (kBundledData / "manhattan3d.g2o").string();
   expect_refused({kBundledLog, other, "-o", path("plot.svg")}, 2, "is not of the same dimension as");
@@ -187,6 +197,15 @@ TEST_F(Plot, TheCovariancesOfATableOfPosesAreDrawnAndOfATrajectoryNot) {
     ASSERT_EQ(call({"solve", kBundledLog, "-o", path(name), "--covariances", "--quiet"}).exit_code, 0);
     EXPECT_EQ(count_of(picture({path(name)}), ">3σ of poses<"), name == "map.csv" ? 1U : 0U);
   }
+}
+
+TEST_F(Plot, AFolderThatLostItsNamesIsDrawnWithoutLocalMapsAndSaysSo) {
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--quiet"}).exit_code, 0);
+  std::filesystem::remove(path("run/poses.csv"));
+  const Ended ended = call({"plot", path("run"), "-o", path("plot.svg")});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_THAT(ended.out, HasSubstr("0 local maps"));
+  EXPECT_THAT(ended.err, HasSubstr("run: without its poses.csv neither local maps nor what was rejected are drawn"));
 }
 
 TEST_F(Plot, WhatLiesBesideAMapMustBeOfIt) {

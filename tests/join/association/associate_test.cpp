@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <tbb/global_control.h>
@@ -84,6 +85,18 @@ TEST(AssociateTest, CallsFeaturesInTheOrderOfTheirFirstSighting) {
   EXPECT_EQ(known, found.data.features.size());
 }
 
+TEST(AssociateTest, SaysThatRangesAloneAreNotEnough) {
+  LogBuilder<2> builder("ranges.g2o");
+  const Matrix<2> along = Vector<2>(1.0, 0.0).asDiagonal();
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    if (k > 0) builder.add_pose_edge({0, k - 1}, {0, k}, {Point<2>(1.0, 0.0), {}}, Matrix<3>::Identity());
+    builder.add_observation({0, k}, {k}, Point<2>(2.0, 0.0), along);
+  }
+  const auto log = std::move(builder).finish().value();
+  EXPECT_THAT(testing::error_of(associate(log, AssociationOptions{})),
+              ::testing::StartsWith("ranges.g2o: observations of ranges or bearings alone leave features free to move"));
+}
+
 TEST(AssociateTest, RefusesPriorsOfFeaturesWhichGoByTheirNames) {
   LogBuilder<2> builder("log");
   builder.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<2>::Identity());
@@ -94,8 +107,10 @@ TEST(AssociateTest, RefusesPriorsOfFeaturesWhichGoByTheirNames) {
   EXPECT_EQ(found.error().kind, ErrorKind::kBadInput);
   auto set = testing::small_submap_set(wood<2>(), 20.0);
   set.graph.feature_factors.push_back({kWorld, 0, Point<2>::Zero(), PointMatrix<2>::Identity()});
-  EXPECT_EQ(testing::error_of(associate(set, AssociationOptions{})),
-            set.source + ": has a prior of a feature, which goes by its name, and names are ignored by --associate");
+  EXPECT_EQ(
+      testing::error_of(associate(set, AssociationOptions{})),
+      set.source +
+          ": has a prior of a feature, which --associate cannot find by its name again; leave out that prior, or --associate");
 }
 
 TEST(SightingFitTest, NamesTheMapThatTookAFeatureForAnother) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 #include <mapjoin/join/association/hypothesis.hpp>
 #include <numbers>
 #include <tests/support/dimensions.hpp>
@@ -74,6 +75,12 @@ TYPED_TEST(HypothesisTest, TheDistanceIsThatOfAllDifferencesTogether) {
   }
   EXPECT_EQ(hypothesis.pairings(), this->pairings_);
   EXPECT_EQ(hypothesis.known_of(0), 2U);
+}
+
+TYPED_TEST(HypothesisTest, TakesNoPairingWhoseCovarianceIsNotFinite) {
+  this->problem_.covariance.setConstant(std::numeric_limits<double>::infinity());
+  const Hypothesis<TestFixture::kDim> hypothesis(this->problem_);
+  EXPECT_FALSE(hypothesis.extension(this->pairings_[0], this->density_, this->gates_));
 }
 
 TYPED_TEST(HypothesisTest, TheScoreIsTheLikelihoodOfAllDifferencesOverTheDensitiesOfOthers) {

@@ -150,5 +150,11 @@ TEST(NeighbourDensityTest, KnowsThatFeaturesKeepTheirDistance) {
   EXPECT_NEAR(density.log_within(10.0), std::log(density.overall()), 0.5);
 }
 
+TEST(NeighbourDensityTest, FallsWithTheVolumeHoweverLargeThatIs) {
+  const std::vector<std::vector<Point<3>>> sets = {{Point<3>::Zero(), Point<3>::UnitX()}};
+  const NeighbourDensity<3> density(sets);
+  EXPECT_NEAR(density.log_within(1e120), density.log_within(1e100) - 60.0 * std::log(10.0), 1e-9);
+}
+
 }  // namespace
 }  // namespace mapjoin

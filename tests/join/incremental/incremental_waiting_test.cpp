@@ -71,6 +71,45 @@ TYPED_TEST(IncrementalWaitingTest, WhatCannotBeDeterminedKeepsNothingElseWaiting
   }
 }
 
+/// A local map of one step.
+template <int Dim>
+SubmapUpdate<Dim> step_between(std::uint64_t from, std::uint64_t to, const PoseMatrix<Dim>& information) {
+  SubmapUpdate<Dim> update;
+  update.poses = {{0, from}, {0, to}};
+  update.segments = {{0, 1, true}};
+  Pose<Dim> ahead;
+  ahead.translation[0] = 1.0;
+  update.graph.submaps = {{0, {1}, {}, {ahead}, {}, information}};
+  return update;
+}
+
+TYPED_TEST(IncrementalWaitingTest, WhatATiedMapLeavesFreeStaysUntilAnotherUpdateDeterminesIt) {
+  constexpr int kDim = TestFixture::kDim;
+  const PoseMatrix<kDim> certain = PoseMatrix<kDim>::Identity();
+  PoseMatrix<kDim> singular = certain;
+  singular(0, 0) = 0.0;
+  for (const PoseMatrix<kDim>& information : {singular, PoseMatrix<kDim>(PoseMatrix<kDim>::Zero())}) {
+    IncrementalJoin<kDim> joined;
+    EXPECT_FALSE(IncrementalJoin<kDim>().add(step_between<kDim>(0, 1, information)).value().is_joined);
+    EXPECT_TRUE(joined.add(step_between<kDim>(0, 1, certain)).value().is_joined);
+    const AddedUpdate added = joined.add(step_between<kDim>(1, 2, information)).value();
+    EXPECT_TRUE(added.is_joined && added.converged);
+    EXPECT_LT(added.dof, 0);
+    EXPECT_FALSE(joined.covariance(PoseId{0, 2}));
+    Pose<kDim> ahead;
+    ahead.translation[0] = 2.0;
+    EXPECT_LT(local(*joined.pose({0, 2}), ahead).norm(), 1e-12);
+
+    SubmapUpdate<kDim> closure;
+    closure.poses = {{0, 0}, {0, 2}};
+    ahead.translation[0] = 2.5;
+    closure.graph.pose_factors = {{0, 1, ahead, certain}};
+    EXPECT_GE(joined.add(closure).value().dof, 0);
+    EXPECT_LT(local(*joined.pose({0, 2}), ahead).norm(), 1e-6);
+    EXPECT_TRUE(joined.covariance(PoseId{0, 2}));
+  }
+}
+
 TYPED_TEST(IncrementalWaitingTest, AnEarlierUpdateThatIsTiedLaterTakesTheFrame) {
   constexpr int kDim = TestFixture::kDim;
   const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);

@@ -6,6 +6,7 @@
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <set>
+#include <stdexcept>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
@@ -61,6 +62,27 @@ TYPED_TEST(SubmapUpdateTest, ASetComesApartIntoTheUpdatesItIsMadeOf) {
   for (const auto& part : parts) EXPECT_TRUE(check_update(part));
   const double optimum = testing::batch_chi2(this->parts_, this->parts_.size());
   EXPECT_NEAR(testing::batch_chi2(parts, parts.size()), optimum, 1e-6 * optimum);
+}
+
+TYPED_TEST(SubmapUpdateTest, MapsAndSegmentsThatDoNotBelongTogetherAreRefused) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto& log = this->world_.log;
+  const auto expect_refused = [&](const Split& parts, const std::vector<LocalMap<kDim>>& maps) {
+    EXPECT_THROW(submap_updates_of(log, parts, maps), std::invalid_argument);
+  };
+  expect_refused(this->split_, {});
+  expect_refused(Split{}, {});
+  expect_refused(Split{{}, this->split_.kept, 0}, {});
+  auto fewer = this->maps_;
+  fewer.pop_back();
+  expect_refused(this->split_, fewer);
+  Split part = this->split_;  // of a log with closures to poses behind it
+  part.segments.resize(1);
+  expect_refused(part, {this->maps_.front()});
+
+  SubmapSet<kDim> set = testing::set_of_all(this->parts_);
+  set.segments.pop_back();
+  EXPECT_THROW(submap_updates_of(set), std::invalid_argument);
 }
 
 TYPED_TEST(SubmapUpdateTest, AllUpdatesJoinAsTheirLogDoes) {

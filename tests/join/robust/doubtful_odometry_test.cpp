@@ -74,18 +74,22 @@ class DoubtfulOdometryTest : public ::testing::Test {
     EXPECT_EQ(step.misfit.kind, PartKind::kOdometry);
     EXPECT_EQ((std::get<PoseIndex>(step.misfit.to).value - 1) / 4, (slip - 1) / 4);
   }
+  static std::vector<PoseIndex> doubtful(const Log<kDim>& log) {
+    const OdometryChain<kDim> chain(log);
+    return doubtful_steps(ClosureSupport<kDim>(chain, log.closures()));
+  }
   static RobustOptions all() { return {.odometry = true}; }
 };
 TYPED_TEST_SUITE(DoubtfulOdometryTest, testing::Dimensions);
 
 TYPED_TEST(DoubtfulOdometryTest, IsTheStepThatLoopsSpeakAgainst) {
-  EXPECT_TRUE(doubtful_steps(this->slipping(0.0)).empty());
-  this->expect_step(doubtful_steps(this->slipping(2.0)), PoseIndex(50));
+  EXPECT_TRUE(this->doubtful(this->slipping(0.0)).empty());
+  this->expect_step(this->doubtful(this->slipping(2.0)), PoseIndex(50));
 }
 
 /// The first of those between two closures, of which no loop tells which it is.
 TYPED_TEST(DoubtfulOdometryTest, IsNamedOnceWhereClosuresAreSteppedOver) {
-  this->expect_step(doubtful_steps(this->slipping(2.0, 4)), PoseIndex(49));
+  this->expect_step(this->doubtful(this->slipping(2.0, 4)), PoseIndex(49));
 }
 
 /// Right closures on either side of the slip do not know of each other: those across it are right, and outvoted.
@@ -110,7 +114,7 @@ TYPED_TEST(DoubtfulOdometryTest, IsFoundByTheVerdictWhereNoLoopTells) {
   auto log = this->slipping(0.5);
   const std::size_t first = log.odometry().size();
   for (auto& closure : std::span(log.graph.pose_factors).subspan(first, log.closures().size())) closure.information *= 0.01;
-  EXPECT_TRUE(doubtful_steps(log).empty());
+  EXPECT_TRUE(this->doubtful(log).empty());
   this->expect_only_the_slip(find_inliers(log, this->all()).value());
 }
 
@@ -121,7 +125,7 @@ TYPED_TEST(DoubtfulOdometryTest, BecomesAClosureWhereTheDriveIsCut) {
   EXPECT_EQ(cut.closures().size(), log.closures().size() + 1);
   EXPECT_EQ(cut.sessions.size(), log.sessions.size() + 1);
   EXPECT_EQ(cut.poses[49], log.poses[49]);
-  EXPECT_TRUE(doubtful_steps(cut).empty());
+  EXPECT_TRUE(this->doubtful(cut).empty());
 }
 
 TYPED_TEST(DoubtfulOdometryTest, IsRejectedAndNothingElse) {

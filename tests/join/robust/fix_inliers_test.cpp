@@ -52,6 +52,17 @@ TYPED_TEST(FixInliers, WrongFixesAreFound) {
   }
 }
 
+/// Without the odometry and the features that tie the two halves of a drive, each is placed by its own fixes.
+TYPED_TEST(FixInliers, WrongFixesAreFoundInPartsThatOnlyFixesTie) {
+  auto world = gps_world<TestFixture::kDim>({.poses = 400, .between = 2});
+  const auto is_late = [](PoseIndex pose) { return pose.value >= 200; };
+  std::erase_if(world.log.graph.pose_factors,
+                [&](const auto& edge) { return edge.base != kWorld && is_late(edge.base) != is_late(edge.target); });
+  std::erase_if(world.log.graph.feature_factors, [&](const auto& seen) { return is_late(seen.base); });
+  const auto spoiled = this->spoil(5, world.log);
+  EXPECT_EQ(this->found_in(world.log), spoiled);
+}
+
 /// Two of five fixes, as of a receiver that says the origin of its frame while it has none, thousands of kilometres off.
 TYPED_TEST(FixInliers, WrongFixesThatAgreeAreFoundWhileTheyAreFewer) {
   auto world = gps_world<TestFixture::kDim>({.poses = 400, .between = 2});

@@ -53,6 +53,14 @@ TYPED_TEST(ConnectivityTest, PartsHaveTheirFactorsAsTheyAre) {
   EXPECT_EQ(parts[1].observations()[0].measured, Point<kDim>::Ones());
 }
 
+TYPED_TEST(ConnectivityTest, AdvisesToAssociateWherePartsHaveFeatures) {
+  auto log = this->bare(2, 2);
+  log.graph.feature_factors = {{0, 0, {}, {}}, {0, 1, {}, {}}};
+  EXPECT_THAT(this->complaint(log), AllOf(HasSubstr("nothing ties its 2 parts"), Not(HasSubstr("--associate"))));
+  log.graph.feature_factors[1].base = 1;
+  EXPECT_THAT(this->complaint(log), HasSubstr("--associate ties them by features that they share"));
+}
+
 TYPED_TEST(ConnectivityTest, OnePoseAloneHangsTogether) {
   EXPECT_EQ(this->complaint(this->bare(1, 0)), "");
 }

@@ -90,6 +90,37 @@ TEST(MergedLogs, TheFirstThatFixesPosesHoldsTheMap) {
   EXPECT_EQ(log.skipped.at("fixed poses of later files"), 1);
 }
 
+TEST(MergedLogs, KeepTimeStampsOnlyIfAllHaveThem) {
+  auto stamped = log_of("a", edge(0, 1));
+  stamped.stamps_ns = Table<PoseIndex, std::int64_t>(2, 7);
+  EXPECT_THAT(merged<2>({stamped, stamped})->stamps_ns, SizeIs(4));
+  const auto log = merged<2>({stamped, log_of("b", edge(0, 1))}).value();
+  EXPECT_THAT(log.stamps_ns, SizeIs(0));
+  EXPECT_EQ(log.skipped.at("time stamps that other files lack"), 2);
+}
+
+TEST(MergedLogs, AreOfTheConventionsInsideIfTheyWereReadInDifferentOnes) {
+  const auto ours = log_of("ours", edge(0, 1));
+  auto theirs = log_of("theirs", edge(0, 1));
+  theirs.conventions = {PoseError::kG2o, RotationInformation::kQuaternion, Covariance::kOriginal, {.missing = 2}};
+  const auto conventions = [](const std::vector<Log<2>>& logs) { return merged<2>(logs)->conventions; };
+  EXPECT_EQ(conventions({theirs, theirs}).pose_error, PoseError::kG2o);
+  EXPECT_EQ(conventions({theirs, theirs}).rotation_information, RotationInformation::kQuaternion);
+  for (const auto& mixed : {conventions({theirs, ours}), conventions({ours, theirs})}) {
+    EXPECT_EQ(mixed.pose_error, PoseError::kPaper);
+    EXPECT_EQ(mixed.rotation_information, RotationInformation::kVector);
+    EXPECT_EQ(mixed.repairs.missing, 2);
+  }
+}
+
+TEST(MergedLogs, OfDifferentWeightsAreRefused) {
+  auto identity = log_of("i", edge(0, 1));
+  use_identity_covariance(identity);
+  EXPECT_EQ(merged<2>({identity, identity})->conventions.covariance, Covariance::kIdentity);
+  EXPECT_EQ(merged<2>({identity, log_of("a", edge(0, 1))}).error().message,
+            "i has weights of --covariance identity and a of --covariance original: build both with the same");
+}
+
 TEST(MergedLogs, CountWhatEachLeftOut) {
   const std::string text = edge(0, 1) + "ROBOTLASER1 0\n";
   EXPECT_EQ(merged<2>({log_of("a", text), log_of("b", text)})->skipped.at("ROBOTLASER1 lines"), 2);

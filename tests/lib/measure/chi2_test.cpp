@@ -69,6 +69,7 @@ TYPED_TEST(Chi2Test, DegreesOfFreedomCountMeasuredRowsOnly) {
   const std::int64_t unknowns = 4 * kPoseDof<kDim> + 2 * kDim;
   EXPECT_EQ(degrees_of_freedom(log, 0), rows - unknowns);
   EXPECT_EQ(degrees_of_freedom(log, 1), rows - unknowns + kPoseDof<kDim>);
+  EXPECT_EQ(degrees_of_freedom(log), degrees_of_freedom(log, log.graph.fixed.size())) << "priors hold it";
 
   // A position from GPS says nothing of the rotation, and a bearing has one row less than the point has coordinates.
   auto& gps = log.graph.pose_factors.back().information;

@@ -100,6 +100,8 @@ TYPED_TEST(TrajectoryErrorTest, RelativeErrorIsTheDriftOverTheSpan) {
   for (std::size_t i = 0; i < truth.size(); ++i) estimate[i].rotation = Rotation<kDim>::exp(static_cast<double>(i) * turn);
   EXPECT_NEAR(relative_pose_error(estimate, truth, pairs_by_steps(truth.size(), 7)).rotation.max, 0.07, 1e-12);
   EXPECT_THROW(pairs_by_steps(truth.size(), 0), std::invalid_argument);
+  EXPECT_THROW(relative_pose_error(estimate, truth, {{0, truth.size()}}), std::invalid_argument);
+  EXPECT_THROW(relative_pose_error(estimate, truth, {{truth.size(), 0}}), std::invalid_argument);
 }
 
 TYPED_TEST(TrajectoryErrorTest, MapsAreComparedByIdAndWhatOnlyOneHoldsIsCounted) {

@@ -45,6 +45,16 @@ TEST(NameFit, IsBadWhereASessionIsOfAnotherScale) {
   EXPECT_LT(worst_name_fit(log, 0.99).value()->alike, 0.5);
 }
 
+/// One wrong observation bends the map of its session; the names mean the same all the same.
+TEST(NameFit, IsGoodWhereOneWrongObservationBendsAMap) {
+  auto log = small_world<2>({.features = 40, .closures = 0, .sessions = 2, .range = 3.0}).log;
+  FeatureFactor<2>& seen = log.graph.feature_factors[log.observations().size() / 4];
+  ASSERT_EQ(log.poses[seen.base].session, 0U);
+  seen.target = FeatureIndex((seen.target.value + 20) % 40);
+  seen.information *= 1e4;
+  EXPECT_TRUE(worst_name_fit(log, 0.99).value()->is_good());
+}
+
 /// Of forty names half mean other features: a quarter of all distances, or somewhat less, is between two of the others.
 TEST(NameFit, IsTheShareOfAllDistances) {
   auto log = small_world<2>({.features = 40, .sessions = 2, .range = 30.0}).log;

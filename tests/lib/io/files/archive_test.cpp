@@ -58,6 +58,18 @@ TEST_F(ArchiveTest, GivesTheWantedFilesOfAFolderInOrderAndInflated) {
   EXPECT_THAT(*seen, ElementsAre(Pair("a.gz", long_text), Pair("b", "plain")));
 }
 
+TEST_F(ArchiveTest, GivesGzippedMembersInflated) {
+  write_gzip(folder.path() / "packed", long_text);
+  const std::string packed = testing::bytes_of(folder.path() / "packed");
+  folder.file("maps.tar", tar_of({{"a.gz", packed}, {"b", "plain"}}));
+  const auto seen = visit(folder.path() / "maps.tar");
+  ASSERT_TRUE(seen) << seen.error().message;
+  EXPECT_THAT(*seen, ElementsAre(Pair("a.gz", long_text), Pair("b", "plain")));
+
+  folder.file("maps.tar", tar_of({{"a.gz", packed.substr(0, 40)}}));
+  EXPECT_THAT(visit(folder.path() / "maps.tar").error().message, HasSubstr("maps.tar/a.gz: the gzip stream is cut off"));
+}
+
 TEST_F(ArchiveTest, RefusesAnArchiveThatIsCutShort) {
   const fs::path path = folder.path() / "maps.tar";
   const std::string tar = tar_of({{"a", long_text}});

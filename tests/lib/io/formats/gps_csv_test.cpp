@@ -27,6 +27,11 @@ TEST(GpsCsv, ColumnsComeInAnyOrderAndOthersArePassedOver) {
   EXPECT_EQ(fixes.fixes[1].session, 7U);
 }
 
+TEST(GpsCsv, BlanksAroundTheNamesOfColumnsDoNotCount) {
+  const auto fixes = read_gps_csv("pose, latitude , longitude,\tsd_east, sd_north\n12, 50, 8, 1, 1\n", "fixes.csv").value();
+  EXPECT_EQ(fixes.fixes[0].place.longitude, 8.0);
+}
+
 TEST(GpsCsv, InThePlaneThereNeedBeNoHeights) {
   const auto fixes = read_gps_csv("pose,latitude,longitude,sd_east,sd_north\n12,50,8,1,1\n", "fixes.csv").value();
   EXPECT_FALSE(fixes.has_heights);

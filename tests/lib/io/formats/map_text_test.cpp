@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <mapjoin/gps/geographic_frame.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
@@ -189,7 +190,7 @@ TEST_F(MapText, SaysWhenItCannotWrite) {
   EXPECT_EQ(written<2>(write_tum, plane()), path.string() + ": No such file or directory");
 }
 
-TEST_F(MapText, AMapWhoseListsDoNotBelongTogetherIsRefused) {
+TEST_F(MapText, AMapThatIsNotWholeIsRefused) {
   const auto expect_refused = [&](const GlobalMap<3>& map, const std::string& why) {
     EXPECT_THAT([&] { written<3>(write_tum, map); }, ThrowsMessage<std::invalid_argument>(why));
     EXPECT_THROW(written<3>(write_kitti, map), std::invalid_argument);
@@ -213,6 +214,12 @@ TEST_F(MapText, AMapWhoseListsDoNotBelongTogetherIsRefused) {
   expect_refused(with([](auto& map) { map.feature_covariances.resize(2); }),
                  "a map has 2 covariances of features, but 1 of these");
   expect_refused(with([](auto& map) { map.gauge = {2}; }), "a map is anchored at a pose that is not in it");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::string not_finite = "a map has a value that is not finite, or no rotation";
+  expect_refused(with([=](auto& map) { map.poses[0].translation[1] = nan; }), not_finite);
+  expect_refused(with([=](auto& map) { map.features[0][2] = nan; }), not_finite);
+  expect_refused(with([=](auto& map) { map.pose_covariances.assign(2, PoseMatrix<3>::Constant(nan)); }), not_finite);
+  expect_refused(with([=](auto& map) { map.feature_covariances.assign(1, PointMatrix<3>::Constant(nan)); }), not_finite);
 }
 
 TEST_F(MapText, TwoTablesInOneFileAreRefused) {

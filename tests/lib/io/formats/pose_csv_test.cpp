@@ -55,6 +55,12 @@ TEST(PoseCsv, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n1,2,3,0\n"), EndsWith("pose 1 has two initial values"));
 }
 
+TEST(PoseCsv, BlanksAroundTheNamesOfColumnsDoNotCount) {
+  const TemporaryFolder folder;
+  const auto log = std::get<Log<2>>(open_log(folder.file("poses.csv", "pose, x , y, phi\n4, 1, 2, 0\n")).value());
+  EXPECT_EQ(log.initial.poses[PoseIndex(0)].translation, Point<2>(1.0, 2.0));
+}
+
 TEST(PoseCsv, PassesOverCellsThatAreEmpty) {
   const TemporaryFolder folder;
   for (const std::string table : {"pose,note,x,y,phi,more,note\n5,,1,2,3, ,\n6,seen,4,5,6,,\n",

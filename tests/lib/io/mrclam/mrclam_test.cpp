@@ -72,7 +72,10 @@ TEST_F(MrclamTest, GivesMotionTheNoiseOfItsTime) {
 }
 
 TEST_F(MrclamTest, LeavesOutUnknownRobotsAndBarcodesAndWhatCameTooEarly) {
-  EXPECT_EQ(read().unassociated, 3);
+  const Log<2> log = read();
+  EXPECT_EQ(log.unassociated, 1);
+  EXPECT_EQ(log.skipped,
+            (SkipCounts{{"sightings before the first odometry", 1}, {"sightings of robots that are not in the folder", 1}}));
 }
 
 TEST_F(MrclamTest, IsASessionPerRobot) {
@@ -100,7 +103,8 @@ TEST_F(MrclamTest, TiesRobotsThatSeeEachOther) {
   const Vector<3> weights(1.0 / (noise.range * noise.range), 1.0 / (noise.bearing * noise.bearing), 0.0);
   EXPECT_TRUE(by_first.information.isApprox(Matrix<3>(weights.asDiagonal()), 1e-12)) << "nothing is said of the heading";
   EXPECT_EQ(log.poses[log.closures()[1].base], (PoseId{1, 2}));
-  EXPECT_EQ(log.unassociated, 3) << "too early twice, and an unknown barcode";
+  EXPECT_EQ(log.unassociated, 1) << "an unknown barcode";
+  EXPECT_EQ(log.skipped, (SkipCounts{{"sightings before the first odometry", 2}}));
 }
 
 TEST_F(MrclamTest, IsALogThoughItIsAFolder) {
@@ -180,7 +184,8 @@ TEST(MrclamData, AgreesWithTheMotionCapture) {
   EXPECT_EQ(log.observations().size(), 1534u + 3239u + 4348u + 2023u + 4239u);
   EXPECT_EQ(log.closures().size(), 407u + 792u + 1277u + 373u + 1139u - 7u)
       << "seven before the first odometry of the robot seen";
-  EXPECT_EQ(log.unassociated, 1 + 0 + 2 + 3 + 0 + 7);
+  EXPECT_EQ(log.unassociated, 1 + 0 + 2 + 3 + 0);
+  EXPECT_EQ(log.skipped, (SkipCounts{{"sightings before the first odometry", 7}}));
 
   const auto landmarks = table_in<2>(folder / "Landmark_Groundtruth.dat");
   const auto truth = table_in<3>(folder / "Robot1_Groundtruth.dat.gz");

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 #include <mapjoin/io/store/database.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/lib/io/store/store_fixture.hpp>
@@ -180,12 +181,34 @@ TYPED_TEST(StoreTest, ABuildOfAnotherLogSplitOrOptionsBeginsAfresh) {
   expect_same(*this->read(), other);
 }
 
+TYPED_TEST(StoreTest, AShareOfTheMapsIsOneOfSoMany) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = random_stored_maps<kDim>(this->random, 0);
+  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.segments, maps.options, {}, {1, 3});
+  ASSERT_TRUE(writer && writer->finish());
+  EXPECT_EQ(this->read()->share, (Share{1, 3}));
+  EXPECT_TRUE(this->read()->portion.is_whole());
+  execute_sql(this->path, "UPDATE info SET value = '4/3' WHERE key = 'part'");
+  EXPECT_THAT(this->read().error().message, HasSubstr("damaged store: info part makes no sense"));
+  execute_sql(this->path, "DELETE FROM info WHERE key = 'part'");
+  EXPECT_TRUE(this->read()->share.is_whole());
+}
+
 TYPED_TEST(StoreTest, MapsAreAddedInOrderAndAllOfThem) {
   constexpr int kDim = TestFixture::kDim;
   const auto maps = random_stored_maps<kDim>(this->random, 3);
   auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.segments, maps.options);
   ASSERT_TRUE(writer);
   EXPECT_THROW((void)writer->add(1, maps.maps[1]), std::invalid_argument);
+  EXPECT_THROW((void)writer->add(0, maps.maps[1]), std::invalid_argument) << "a map of another segment";
+  EXPECT_THROW((void)writer->add(0, LocalMap<kDim>()), std::invalid_argument) << "without its end pose";
+  LocalMap<kDim> wrong = maps.maps[0];
+  wrong.information(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW((void)writer->add(0, wrong), std::invalid_argument);
+  wrong = maps.maps[0];
+  wrong.features[0] = FeatureIndex(maps.log.features.size());
+  EXPECT_THROW((void)writer->add(0, wrong), std::invalid_argument);
+  EXPECT_THAT(writer->to_do(), ElementsAre(0, 1, 2)) << "nothing was added";
   EXPECT_THROW((void)writer->finish(), std::logic_error);
 }
 

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/association/map_matching.hpp>
+#include <numeric>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_submap_set.hpp>
+#include <tests/support/wood.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The maps of a wood, whose information matrices are multiplied by `weight`.
+template <int Dim>
+SubmapSet<Dim> maps_of_a_wood(double weight) {
+  SubmapSet<Dim> set = testing::small_submap_set(testing::wood<Dim>(1).log, 20.0);
+  for (auto& map : set.graph.submaps) map.information *= weight;
+  return set;
+}
+
+/// Pairs of maps that have features which may be mistaken for ten others at most; none is known to be that of another map.
+template <int Dim>
+std::vector<MapPair<Dim>> pairs_within_reach(const SubmapSet<Dim>& set) {
+  std::vector<Sighting> sightings = sightings_of(set);
+  std::vector<std::size_t> labels(sightings.size());
+  std::iota(labels.begin(), labels.end(), std::size_t{0});
+  const Identities identities(std::move(sightings), std::move(labels));
+  std::vector<std::vector<Point<Dim>>> seen_at_once;
+  for (const auto& map : set.graph.submaps) seen_at_once.push_back(map.feature_estimates);
+  const NeighbourDensity<Dim> density(seen_at_once);
+  const auto estimate = estimate_of(renamed(set, identities), {}).value();
+  return MapMatching<Dim>(estimate, identities, density, AssociationMethod::kJcbb, 0.99).pairs(10.0, {});
+}
+
+template <typename D>
+class MapMatchingTest : public ::testing::Test {};
+TYPED_TEST_SUITE(MapMatchingTest, testing::Dimensions);
+
+TYPED_TEST(MapMatchingTest, FindsMapsWhoseFeaturesMayBeTheSame) {
+  EXPECT_FALSE(pairs_within_reach(maps_of_a_wood<TypeParam::value>(1.0)).empty());
+}
+
+TYPED_TEST(MapMatchingTest, ReachesNoMapsOfWhichNextToNothingIsKnown) {
+  for (const double weight : {1e-12, 1e-100, 1e-200, 1e-309}) {
+    EXPECT_TRUE(pairs_within_reach(maps_of_a_wood<TypeParam::value>(weight)).empty()) << weight;
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin
