@@ -42,10 +42,6 @@ Table<PoseIndex, std::optional<Pose<Dim>>> by_count(const std::vector<StampedPos
   return by_name(ids, values, poses);
 }
 
-double in_seconds(std::int64_t stamp_ns) {
-  return 1e-9 * static_cast<double>(stamp_ns);
-}
-
 using TimedLines = std::map<double, const StampedPose*>;
 
 /// The line of the nearest time; nullptr if none is near enough (s).

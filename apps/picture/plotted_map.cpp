@@ -61,7 +61,7 @@ template <int Dim>
 std::vector<StampedPose> stamped_poses(const GlobalMap<Dim>& map) {
   std::vector<StampedPose> stamped;
   for (const PoseIndex p : indices(map.poses)) {
-    stamped.push_back({1e-9 * static_cast<double>(map.stamps_ns[p]), in_space(map.poses[p])});
+    stamped.push_back({in_seconds(map.stamps_ns[p]), in_space(map.poses[p])});
   }
   return stamped;
 }

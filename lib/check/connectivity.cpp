@@ -13,6 +13,18 @@
 #include <utility>
 
 namespace mapjoin {
+namespace {
+
+/// True if two parts or more have features.
+template <typename LogOrSet>
+bool do_parts_have_features(const LogOrSet& tied, const std::vector<Edge>& ties) {
+  const TieVertices of = vertices_of(tied);
+  const std::vector<std::uint32_t> part_of = components_of(make_graph(of.size(), ties));
+  const auto is_elsewhere = [&](FeatureIndex f) { return part_of[of.feature(f)] != part_of[of.feature(0)]; };
+  return std::ranges::any_of(indices(tied.features), is_elsewhere);
+}
+
+}  // namespace
 
 Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice) {
   constexpr std::ptrdiff_t kNamed = 3;
@@ -30,19 +42,6 @@ Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, con
   return bad_input(fmt::format("{}: nothing ties its {} parts together; they hold {}{}{}", names.source, roots.size(),
                                fmt::join(roots.begin(), named, ", "), named != roots.end() ? ", …" : "", advice));
 }
-
-namespace {
-
-/// True if two parts or more have features.
-template <typename LogOrSet>
-bool do_parts_have_features(const LogOrSet& tied, const std::vector<Edge>& ties) {
-  const TieVertices of = vertices_of(tied);
-  const std::vector<std::uint32_t> part_of = components_of(make_graph(of.size(), ties));
-  const auto is_elsewhere = [&](FeatureIndex f) { return part_of[of.feature(f)] != part_of[of.feature(0)]; };
-  return std::ranges::any_of(indices(tied.features), is_elsewhere);
-}
-
-}  // namespace
 
 template <typename LogOrSet>
 Expected<void> check_connected(const LogOrSet& tied) {

@@ -204,22 +204,17 @@ Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const std::ve
 }
 
 template <int Dim>
-Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const std::vector<std::filesystem::path>&,
-                              const MergeOptions& options) {
+Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const Conventions& conventions, const MergeOptions& options) {
   if (auto apart = options.own_features ? number_features_apart(sets) : Expected<void>(); !apart) {
     return tl::unexpected(apart.error());
   }
   SubmapSet<Dim> whole;
-  std::vector<NamedConventions> named;
+  whole.conventions = conventions;
   for (const SubmapSet<Dim>& set : sets) {
-    named.push_back({set.source, set.conventions});
     whole.source += (whole.source.empty() ? "" : " + ") + set.source;
     append(whole.features, set.features);
   }
   make_distinct(whole.features);
-  const auto conventions = common_conventions(named);
-  if (!conventions) return tl::unexpected(conventions.error());
-  whole.conventions = *conventions;
   const auto first_session = first_sessions(sets);
   if (!first_session) return tl::unexpected(first_session.error());
   for (std::size_t k = 0; k < sets.size(); ++k) {
@@ -231,8 +226,8 @@ Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const std::vecto
   return AnyMaps(std::move(whole));
 }
 
-/// Bad input if some of the maps have other weights than others.
-Expected<void> check_weights(const std::vector<AnyMaps>& all, const std::vector<std::filesystem::path>& paths) {
+/// The conventions of all maps together; bad input if some have other weights than others.
+Expected<Conventions> conventions_of(const std::vector<AnyMaps>& all, const std::vector<std::filesystem::path>& paths) {
   const auto conventions = [](const auto& maps) {
     if constexpr (requires { maps.log; })
       return maps.log.conventions;
@@ -241,7 +236,7 @@ Expected<void> check_weights(const std::vector<AnyMaps>& all, const std::vector<
   };
   std::vector<NamedConventions> named;
   for (std::size_t k = 0; k < all.size(); ++k) named.push_back({paths[k].string(), std::visit(conventions, all[k])});
-  return common_conventions(named).map([](const Conventions&) {});
+  return common_conventions(named);
 }
 
 /// All maps as one type; nullopt if one is of another type.
@@ -273,8 +268,14 @@ Expected<AnyMaps> open_several_maps(const std::vector<std::filesystem::path>& pa
                     "maps of others",
                     paths.front().string(), path.string()));
   }
-  if (auto alike = check_weights(all, paths); !alike) return tl::unexpected(alike.error());
-  const auto merge_like = [&]<typename Maps>(const Maps&) { return merged_maps(*all_as<Maps>(all), paths, merging); };
+  const auto conventions = conventions_of(all, paths);
+  if (!conventions) return tl::unexpected(conventions.error());
+  const auto merge_like = [&]<typename Maps>(const Maps&) {
+    if constexpr (requires(Maps maps) { maps.log; })
+      return merged_maps(*all_as<Maps>(all), paths, merging);
+    else
+      return merged_maps(*all_as<Maps>(all), *conventions, merging);
+  };
   return std::visit(merge_like, AnyMaps(all.front()));
 }
 

@@ -5,6 +5,7 @@
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
+#include <mapjoin/io/formats/trajectory.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,7 +60,7 @@ Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::p
   std::vector<std::pair<std::string, Eigen::MatrixXd>> variables = {{"poses", poses}, {"features", features}};
   if (!map.stamps_ns.empty()) {
     Eigen::VectorXd stamps(poses.rows());
-    for (const PoseIndex p : indices(map.stamps_ns)) stamps[p.value] = 1e-9 * static_cast<double>(map.stamps_ns[p]);
+    for (const PoseIndex p : indices(map.stamps_ns)) stamps[p.value] = in_seconds(map.stamps_ns[p]);
     variables.emplace_back("stamps", stamps);
   }
   if (!map.pose_covariances.empty()) {

@@ -17,6 +17,11 @@ namespace mapjoin {
 /// for other words.
 std::optional<std::int64_t> nanoseconds(std::string_view word);
 
+/// A time in nanoseconds as seconds.
+inline double in_seconds(std::int64_t stamp_ns) {
+  return 1e-9 * static_cast<double>(stamp_ns);
+}
+
 /// True if the next line of `line` has eight (TUM) or twelve (KITTI) numbers and nothing else.
 bool is_tum_line(TextScanner line);
 bool is_kitti_line(TextScanner line);
