@@ -82,7 +82,7 @@ bool is_special(const fs::path& path) {
 NamedFiles inputs_of(const Options& options, const std::string& argument) {
   NamedFiles files = {
       {argument, options.input}, {"--truth", options.truth}, {"--stamps", options.stamps}, {"--gps", options.gps}};
-  for (const fs::path& further : options.further) files.emplace_back("FURTHER", further);
+  for (const fs::path& further : options.further) files.emplace_back(kFurther, further);
   return files;
 }
 

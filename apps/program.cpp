@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -7,7 +8,9 @@
 #include <apps/console.hpp>
 #include <apps/process.hpp>
 #include <apps/program.hpp>
+#include <cctype>
 #include <exception>
+#include <map>
 #include <new>
 #include <set>
 #include <sstream>
@@ -24,13 +27,14 @@ namespace {
   fail(ErrorKind::kUsage, fmt::format("{} (see {} --help)", what, app.get_name()));
 }
 
-/// The options that a sentence offers: words behind a semicolon that begin with --.
+/// The options that a sentence offers: words behind a semicolon that begin with --, and the argument for further inputs.
 std::set<std::string> options_in(const std::string& sentence) {
   std::set<std::string> options;
   std::istringstream words(sentence.substr(std::min(sentence.size(), sentence.find("; "))));
   for (std::string word; words >> word;) {
-    word.erase(std::min(word.size(), word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-")));
-    if (word.starts_with("--")) options.insert(word);
+    const auto is_of_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-'; };
+    word.erase(std::ranges::find_if_not(word, is_of_name), word.end());
+    if (word.starts_with("--") || word == kFurther) options.insert(word);
   }
   return options;
 }
@@ -39,11 +43,15 @@ std::set<std::string> options_in(const std::string& sentence) {
 /// names a command.
 std::string with_owners(std::string sentence, const Subcommand& chosen, const CommandLine& line) {
   if (sentence.find("`mapjoin ") != sentence.npos) return sentence;
+  std::map<std::string, std::vector<std::string>> lacking;  // by the command that has them
   for (const std::string& option : options_in(sentence)) {
     const auto has = [&](const auto& command) { return command->has(option); };
     const auto owner = std::ranges::find_if(line.commands, has);
-    if (chosen.has(option) || owner == line.commands.end()) continue;
-    sentence += fmt::format("; {} goes with `{} {}`", option, line.app->get_name(), (*owner)->name());
+    if (!chosen.has(option) && owner != line.commands.end()) lacking[(*owner)->name()].push_back(option);
+  }
+  for (const auto& [owner, options] : lacking) {
+    sentence += fmt::format("; {} {} with `{} {}`", fmt::join(options, " and "), options.size() == 1 ? "goes" : "go",
+                            line.app->get_name(), owner);
   }
   return sentence;
 }

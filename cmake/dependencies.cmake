@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The libraries we stand on; all are Debian packages (`./dev deps`).
+# Libraries that mapjoin needs; all are Debian packages (`./dev deps`).
 include(${CMAKE_CURRENT_LIST_DIR}/find_library_by_header.cmake)
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
@@ -13,7 +13,7 @@ find_package(ZLIB REQUIRED)
 find_package(LAPACK REQUIRED)
 find_library_by_header(mapjoin::geographic HEADER GeographicLib/LocalCartesian.hpp LIBRARIES GeographicLib)
 find_library_by_header(mapjoin::metis HEADER metis.h LIBRARIES metis)
-# A sanitizer would tell of MPI's own leaks and threads.
+# Not with sanitizers, which would report the leaks and races of MPI itself.
 if(MAPJOIN_MPI AND NOT MAPJOIN_SANITIZE)
   set(MPI_CXX_SKIP_MPICXX ON)
   find_package(MPI COMPONENTS CXX)

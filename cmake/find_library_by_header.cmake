@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# An imported target for a library that brings no CMake package: header and library file by name. Targets are called mapjoin::…, for
-# the find modules of others (those in the package of Ceres, say) define the usual names.
+# An imported target for a library without a CMake package, found by the names of a header and of library files. Targets are called
+# mapjoin::…, since the find modules of other packages (Ceres, for one) define the usual names.
 function(find_library_by_header target)
   cmake_parse_arguments(ARG "" "HEADER;SUFFIX" "LIBRARIES" ${ARGN})
   if(TARGET ${target})

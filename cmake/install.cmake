@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What is installed: the command, with its documents and logs to try; and what programs are built with: libraries, headers, and the
-# packages that find_package(mapjoin) and pkg-config find.
+# Installation of the command, with its documents and logs to try; of mapjoin-mpi; and of what programs are built with: libraries,
+# headers, and the packages that find_package(mapjoin) and pkg-config find.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/mapjoin)
 set(header_folder ${CMAKE_INSTALL_INCLUDEDIR}/mapjoin)
@@ -37,7 +37,7 @@ install(
         cmake/find_library_by_header.cmake
   DESTINATION ${package_folder} COMPONENT development)
 
-# mapjoin.pc finds its prefix from where it lies. A static library's user links what it was linked with.
+# mapjoin.pc takes its prefix from its own place. Users of static libraries link the libraries that these need.
 file(RELATIVE_PATH prefix_of_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 if(NOT BUILD_SHARED_LIBS)
   set(pc_requires fmt tbb sqlite3 zlib lapack blas)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 configure_file(cmake/version.hpp.in include/mapjoin/version.hpp)
 
-# One of our libraries from one folder. Sources include what they need as <mapjoin/room/file.hpp>, in the build tree
-# (through links) and when installed alike.
+# A library mapjoin_NAME of the sources in one folder. Headers are included as <mapjoin/room/file.hpp>, in the build tree (through
+# links) as when installed.
 function(mapjoin_library name)
   cmake_parse_arguments(ARG "" "FOLDER" "" ${ARGN})
   set(headers ${CMAKE_BINARY_DIR}/include/mapjoin)
@@ -17,7 +17,7 @@ function(mapjoin_library name)
   endif()
 
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${ARG_FOLDER}/*.cpp)
-  # join/distributed, which needs MPI, is a library of its own.
+  # Sources of join/distributed, which needs MPI, are a library of their own.
   list(FILTER sources EXCLUDE REGEX "^${CMAKE_SOURCE_DIR}/${ARG_FOLDER}/distributed/")
   add_library(mapjoin_${name} ${sources})
   add_library(mapjoin::${name} ALIAS mapjoin_${name})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What a builder can choose, and the flags of our own targets (never of what is installed).
+# Options of the build, and the flags of our own targets (never of what is installed).
 option(MAPJOIN_WERROR "Warnings are errors" OFF)
 option(BUILD_SHARED_LIBS "Shared libraries instead of static ones" OFF)
 option(MAPJOIN_BENCH "Build the benchmarks" OFF)
@@ -21,9 +21,9 @@ endif()
 
 function(mapjoin_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)
-  # No fused multiply-add behind our back: the same results to the last bit on every machine.
+  # No fused multiply-adds of the compiler's choice: results do not depend on whether the machine has them.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
-  # g++ takes what a source that is compiled with others keeps to itself for a header's, and warns.
+  # In a unity build g++ takes the unnamed namespace of a source for that of a header, and warns.
   target_compile_options(${target} PRIVATE
     $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wno-subobject-linkage>)
   if(MAPJOIN_WERROR)
@@ -31,7 +31,7 @@ function(mapjoin_flags target)
   endif()
   if(MAPJOIN_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${MAPJOIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
-      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # GCC's manual: sanitizers make it warn of what is sound
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # false warnings with sanitizers, by GCC's manual
     target_link_options(${target} PUBLIC -fsanitize=${MAPJOIN_SANITIZE})
   endif()
 endfunction()

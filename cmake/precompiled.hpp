@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What nearly every source includes, compiled once. No source relies on it: each includes what it uses.
+// Headers that nearly every source includes, compiled once. No source relies on this one: each includes what it uses.
 #include <fmt/format.h>
 
 #include <Eigen/Core>

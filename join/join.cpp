@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/joined_map.hpp>
+#include <mapjoin/join/free_to_move.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/settled.hpp>
@@ -12,7 +12,6 @@
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/solve/free_directions.hpp>
 #include <optional>
 #include <utility>
 
@@ -67,56 +66,6 @@ struct Task {
   const std::stop_token& stop;
 };
 
-/// The largest number of null-space directions that are examined if a system is singular.
-constexpr std::size_t kMostDirections = 60;
-
-/// The least and the largest positive diagonal entry of all information matrices.
-template <int Dim>
-std::pair<double, double> weights_of(const JoiningSystem<Dim>& system) {
-  std::pair range(std::numeric_limits<double>::infinity(), 0.0);
-  const auto take = [&](const auto& information) {
-    for (const double weight : information.diagonal()) {
-      if (weight > 0.0) range = {std::min(range.first, weight), std::max(range.second, weight)};
-    }
-  };
-  for (const auto& factor : system.pose_factors()) take(factor.observation->information);
-  for (const auto& factor : system.feature_factors()) take(factor.observation->information);
-  for (const auto& placed : system.maps()) take(placed.map->information);
-  return range;
-}
-
-/// Advice in words if the largest weights leave no digits to the least; "" otherwise.
-template <int Dim>
-std::string lost_weights_in_words(const JoiningSystem<Dim>& system) {
-  constexpr double kFarApart = 1e12;
-  const auto [least, largest] = weights_of(system);
-  if (!(largest > kFarApart * least)) return "";
-  return fmt::format("; weights from {:.2g} to {:.2g} are too far apart to be added: bring them closer together", least,
-                     largest);
-}
-
-/// The poses and features that the observations leave free to move, in words; `singular` is the variable of one of them.
-template <int Dim>
-std::string free_to_move(const Task<Dim>& task, const JoiningSystem<Dim>& system, Variable singular,
-                         const PartialMap<Dim>& joined_map) {
-  const NormalEquations& equations = system.equations();
-  std::vector<PlacedVariable<Dim>> variables;
-  for (const PoseIndex p : indices(joined_map.poses)) {
-    const Variable v = system.variable(p);
-    variables.push_back({to_string(task.pose_ids[joined_map.poses[p]]), system.estimate().poses[p],
-                         v == kConstant ? -1 : equations.offset(v), true});
-  }
-  for (const FeatureIndex f : indices(joined_map.features)) {
-    variables.push_back({to_string(task.feature_ids[joined_map.features[f]]),
-                         {system.estimate().features[f], {}},
-                         equations.offset(system.variable(f)),
-                         false});
-  }
-  const std::string found = free_directions(variables, equations.null_space(kMostDirections));
-  const std::string& name = std::ranges::find(variables, equations.offset(singular), &PlacedVariable<Dim>::offset)->name;
-  return (found.empty() ? name + " cannot be determined" : found) + lost_weights_in_words(system);
-}
-
 /// The last solve of the joined map, starting at the estimate of `system`.
 template <int Dim>
 Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, const Gauge<Dim>& gauge,
@@ -127,7 +76,8 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, co
   join.largest_rotation = largest_rotation_update(start, system.estimate());
   if (join.result.status == MinimiseStatus::kInterrupted) return interrupted("joining");
   if (join.result.status == MinimiseStatus::kSingular) {
-    return bad_input(free_to_move(task, system, *join.result.singular, joined_map));
+    return bad_input(free_to_move(system, *join.result.singular, system.equations().null_space(kMostFreeDirections),
+                                  names_at(joined_map.poses, task.pose_ids), names_at(joined_map.features, task.feature_ids)));
   }
   join.state = state_of(task.graph, joined_map, system.estimate());
   for (const PoseIndex place : gauge.anchored) join.anchored.push_back(joined_map.poses[place]);
@@ -175,6 +125,7 @@ Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const Minim
   auto further = solved(task, std::move(joined_map), gauge, std::move(*join.system), solver);
   if (!further) return further;
   further->schedule = join.schedule;
+  further->is_confirmed = join.is_confirmed;
   further->largest_rotation = std::max(join.largest_rotation, further->largest_rotation);
   MinimiseResult result = std::move(join.result);
   result.append(further->result);
@@ -189,10 +140,11 @@ template <int Dim>
 Expected<Join<Dim>> join_by_best(const Task<Dim>& task) {
   MinimiseOptions trial = task.options.solver;
   trial.max_iterations = std::min(trial.max_iterations, kTrialIterations);
-  auto best = best_of_ways<Join<Dim>>([&](Schedule way) { return join_by(way, task, trial); },
-                                      [](Join<Dim>& join) {
-                                        return SolveByWay{join.result, join.largest_rotation, join.is_settled};
-                                      });
+  auto best =
+      best_of_ways<Join<Dim>>([&](Schedule way) { return join_by(way, task, trial); },
+                              [](Join<Dim>& join) {
+                                return SolveByWay{join.result, join.largest_rotation, join.is_settled, join.is_confirmed};
+                              });
   if (task.stop.stop_requested()) return interrupted("joining");
   if (!best) return best;
   if (best->result.status != MinimiseStatus::kMaxIterations) return best;

@@ -12,6 +12,7 @@
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -52,6 +53,7 @@ struct Join {
   std::vector<PathPoint> path;          ///< Path that led to the start; empty if none was followed.
   Schedule schedule = Schedule::kTree;  ///< Schedule that found the join; for kAuto the one of least chi2.
   bool is_settled = false;              ///< For kAuto: this join settles the map by itself (see is_settled()).
+  std::optional<bool> is_confirmed;     ///< For kAuto: whether ways of joining confirm the join (see best_of_ways()).
   Values<Dim> state;                    ///< State of the whole submap graph; poses that are not joined stay at the origin.
   Table<PoseIndex, PoseIndex> poses;    ///< The poses of the joined state, ascending, by place.
   Table<FeatureIndex, FeatureIndex> features;  ///< The joined features, all but the submap-local ones, ascending, by place.

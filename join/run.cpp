@@ -2,6 +2,7 @@
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/assess.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/recover.hpp>
@@ -54,6 +55,7 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.path = join.path;
   figures.schedule = join.schedule;
   figures.is_settled = join.is_settled;
+  figures.is_confirmed = join.is_confirmed;
   figures.largest_rotation = join.largest_rotation;
   figures.join_dof = join.dof();
   figures.maps = join.maps;
@@ -165,6 +167,14 @@ bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
          !figures.is_settled && figures.recovered_chi2 > (1.0 + kCrudeMaps) * figures.chi2;
 }
 
+/// True if two runs end at the same optimum, one of them from near by.
+bool confirm_each_other(const RunFigures& one, const RunFigures& other) {
+  const auto is_from_near_by = [](const RunFigures& figures) {
+    return came_from_near_by(figures.join, figures.largest_rotation);
+  };
+  return is_same_chi2(one.chi2, other.chi2) && (is_from_near_by(one) || is_from_near_by(other));
+}
+
 template <int Dim>
 Expected<Found<Dim>> run_best(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
   auto best = run_once(log, options, stop);
@@ -174,7 +184,12 @@ Expected<Found<Dim>> run_best(const Log<Dim>& log, const RunOptions& options, co
   without_maps.schedule = Schedule::kUnbalanced;
   auto other = run_once(log, without_maps, stop);
   if (!other) return other.error().kind == ErrorKind::kInterrupted ? std::move(other) : std::move(best);
-  if (is_less_chi2(other->result.chi2, best->result.chi2)) std::swap(best, other);
+  if (is_less_chi2(other->result.chi2, best->result.chi2)) {
+    std::swap(best, other);
+    best->result.is_confirmed = was_as_good_as_linear(best->result.join);
+  } else if (confirm_each_other(best->result, other->result)) {
+    best->result.is_confirmed = true;
+  }
   best->result.seconds += other->result.seconds;
   return best;
 }

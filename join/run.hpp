@@ -35,7 +35,7 @@ constexpr auto enum_names(Stage) {
 /// The options of a run. `solver` serves every least-squares problem, from local maps to the polish.
 struct RunOptions : JoinSettings {
   SplitOptions split;
-  bool polish = true;             ///< Refine to the optimum of the whole log, if there are local maps.
+  bool polish = true;             ///< Refine to an optimum of the whole log, if there are local maps.
   bool verdict = true;            ///< Test whether the map fits: RunFigures::fit.
   std::size_t most_misfits = 20;  ///< Largest number of misfits that the fit names.
   bool covariances = false;       ///< Provide covariances of the final estimate: RunResult::covariances.
@@ -79,7 +79,9 @@ struct RunFigures {
   std::vector<PathPoint> path;          ///< Path to the start of the join; empty if none was followed.
   Schedule schedule = Schedule::kTree;  ///< Schedule that found the join; for kAuto the one of least chi2.
   bool is_settled = false;              ///< Copy of Join::is_settled.
-  double largest_rotation = 0.0;        ///< Largest rotation of a pose in the last solve of the join (rad).
+  /// For kAuto: whether the ways of joining that were tried confirm this optimum (see best_of_ways()).
+  std::optional<bool> is_confirmed;
+  double largest_rotation = 0.0;  ///< Largest rotation of a pose in the last solve of the join (rad).
   std::int64_t join_dof = 0;
   std::vector<MapFit> maps;              ///< Fit of each local map in the join.
   std::optional<double> recovered_chi2;  ///< chi2 of the whole log before polishing; nullopt without a log.
@@ -106,11 +108,11 @@ struct RunResult : RunFigures {
   std::optional<MarginalCovariances<Dim>> marginals;
 };
 
-/// Splits the log, builds local maps, joins them, recovers the eliminated variables, and polishes to the optimum of the whole
+/// Splits the log, builds local maps, joins them, recovers the eliminated variables, and polishes to an optimum of the whole
 /// log. If split and schedule are kAuto, no schedule settled the join, and polishing shows that the local maps are crude, it
-/// joins once more without local maps and returns the better map. Bad input if the log is not connected, leaves a variable
-/// undetermined, or has numbers so large that the map or its chi2 is not finite; kInterrupted on `stop`. Throws
-/// std::invalid_argument if the options do not validate.
+/// joins once more without local maps and returns the better map. Bad input if check_invariants() finds a fault in the log, or
+/// it is not connected, leaves a variable undetermined, or has numbers so large that the map or its chi2 is not finite;
+/// kInterrupted on `stop`. Throws std::invalid_argument if the options do not validate.
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
 

@@ -49,12 +49,13 @@ struct SolveByWay {
   const MinimiseResult& result;
   double largest_rotation;  ///< Largest rotation of a pose in this solve (rad).
   bool& is_settled;
+  std::optional<bool>& is_confirmed;
 };
 
 /// The result of the first way that settles the map, otherwise that of least chi2 once two ways have ended at the same optimum,
 /// one of them from near by, or all are tried. `find(way)` gives an Expected<Found>, `solve_of(found)` its SolveByWay. Bad
 /// input of the first way, or of one after a way that succeeded, is passed over: a system that is singular far from the optimum
-/// need not be so elsewhere.
+/// need not be so elsewhere. A result that settles the map, or that two ended at so, is confirmed.
 template <typename Found, typename Find, typename SolveOf>
 Expected<Found> best_of_ways(const Find& find, const SolveOf& solve_of) {
   std::optional<Found> best;
@@ -64,12 +65,16 @@ Expected<Found> best_of_ways(const Find& find, const SolveOf& solve_of) {
     if (!found) return found;
     const SolveByWay solve = solve_of(*found);
     solve.is_settled = is_settled(way, solve.result, solve.largest_rotation);
+    solve.is_confirmed = solve.is_settled;
     if (best && is_same_chi2(solve_of(*best).result.chi2, solve.result.chi2)) {
       const SolveByWay of_best = solve_of(*best);
       const bool is_confirmed = came_from_near_by(of_best.result, of_best.largest_rotation) ||
                                 came_from_near_by(solve.result, solve.largest_rotation);
       if (solve.is_settled || of_best.result.status != MinimiseStatus::kConverged) best = *std::move(found);
-      if (is_confirmed) return *std::move(best);
+      if (is_confirmed) {
+        solve_of(*best).is_confirmed = true;
+        return *std::move(best);
+      }
     } else if (!best || is_less_chi2(solve.result.chi2, solve_of(*best).result.chi2)) {
       best = *std::move(found);
     }

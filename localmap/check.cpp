@@ -38,7 +38,8 @@ bool is_map_of(const LocalMap<Dim>& map, const SegmentView<Dim>& view) {
 
 template <int Dim>
 Expected<void> check_split(const Log<Dim>& log, const Split& split) {
-  if (split.segments.empty() && !log.poses.empty()) return bad_input_of(log.source, "its poses are in no segment");
+  if (auto sound = check_invariants(log); !sound) return sound;
+  if (split.segments.empty()) return bad_input_of(log.source, "its poses are in no segment");
   if (const auto end = end_of(log, split.segments); !end) return tl::unexpected(end.error());
   if (split.kept.size() != log.poses.size()) {
     return bad_input_of(log.source, fmt::format("its split says of {} which of them stay, but there are {}",

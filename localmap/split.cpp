@@ -49,12 +49,17 @@ class Growth {
   SeenFeatures seen_;
 };
 
+/// The poses that closures, priors and the World refer to; std::out_of_range for one that the log does not have.
 template <int Dim>
 Table<PoseIndex, bool> referenced_poses(const Log<Dim>& log) {
   Table<PoseIndex, bool> kept(log.poses.size(), false);
-  for (const auto& closure : log.closures()) kept[closure.base] = kept[closure.target] = true;
-  for (const auto& prior : log.pose_priors()) kept[prior.target] = true;
-  for (const auto& fixed : log.graph.fixed) kept[fixed.pose] = true;
+  const auto keep = [&](PoseIndex pose) { kept.at(pose.position()) = true; };
+  for (const auto& closure : log.closures()) {
+    keep(closure.base);
+    keep(closure.target);
+  }
+  for (const auto& prior : log.pose_priors()) keep(prior.target);
+  for (const auto& fixed : log.graph.fixed) keep(fixed.pose);
   return kept;
 }
 
@@ -97,6 +102,7 @@ void make_raw(Segment& segment, Split& split) {
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options, const Table<PoseIndex, bool>& elsewhere) {
   demand_valid(options);
+  demand_sound(check_invariants(log));
   if (!elsewhere.empty() && elsewhere.size() != log.poses.size()) {
     throw std::invalid_argument("what is referred to elsewhere must be said of every pose");
   }

@@ -49,18 +49,19 @@ std::vector<Segment> segments_of(const Share& share, const Split& split);
 
 /// Cuts a log into segments. A segment stays raw if it would keep most of its inner poses, or if its border is too large. Poses
 /// marked in `elsewhere`, which others refer to, stay too; empty: none, otherwise as long as the poses. Throws
-/// std::invalid_argument if the options do not validate, or for another length. O(size of the log).
+/// std::invalid_argument if the options do not validate, for another length, and if check_invariants() finds a fault in the
+/// log. O(size of the log).
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options, const Table<PoseIndex, bool>& elsewhere = {});
 
 /// The split with these segments, which was made before, as a store keeps it. Throws std::invalid_argument if a segment has
-/// poses that are not in the log.
+/// poses that are not in the log, std::out_of_range if a factor has.
 template <int Dim>
 Split split_along(const Log<Dim>& log, std::vector<Segment> segments);
 
-/// Checks that a split is one of this log, or of the first part of it. kBadInput unless every session has its segments in turn,
-/// each beginning where the one before ends, up to some pose; and `kept` is as long as the poses and keeps all that
-/// split_along() keeps.
+/// Checks that a split is one of this log, or of the first part of it. kBadInput if check_invariants() finds a fault in the
+/// log, and unless every session has its segments in turn, each beginning where the one before ends, up to some pose; and
+/// `kept` is as long as the poses and keeps all that split_along() keeps.
 template <int Dim>
 Expected<void> check_split(const Log<Dim>& log, const Split& split);
 

@@ -163,7 +163,7 @@ void declare_basin(Subcommand& command) {
       "  mapjoin basin data/manhattan2d.g2o --poses-per-map 20,60 --seeds 2 -o basin");
   const auto asked = std::make_shared<BasinRequest>();
   BasinOptions& basin = asked->basin;
-  command.argument("LOG|MAPS", asked->input, "A log; or a store, or a folder or archive of local maps");
+  command.argument("LOG|MAPS", asked->input, kLogOrMaps);
   command.path("-o,--output", asked->output, "DIR", "Write basin.csv and basin.json into this folder");
   command.group("Experiment");
   command.list("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]", basin.splits,

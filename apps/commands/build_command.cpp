@@ -16,6 +16,11 @@
 namespace mapjoin::apps {
 namespace {
 
+/// True if an option says that features of the same id are the same in several inputs.
+bool says_shared(const Options& options) {
+  return !options.features_undecided && !options.merging.own_features;
+}
+
 template <int Dim>
 void build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
   const Stopwatch watch(command_run.run_report.figures.seconds.build);
@@ -38,16 +43,17 @@ void store_any(CommandRun& command_run, const Log<Dim>& log) {
   SplitOptions cut = command_run.run_options().split;
   if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
   const Split parts = split(log, cut);
-  const Share& share = command_run.options().share;
-  auto store = StoreWriter<Dim>::open(command_run.options().output, log, segments_of(share, parts),
-                                      build_settings(command_run.run_options().solver), {}, share)
+  const Options& options = command_run.options();
+  auto store = StoreWriter<Dim>::open(options.output, log, segments_of(options.share, parts),
+                                      build_settings(command_run.run_options().solver), {}, options.share, says_shared(options))
                    .value();
   command_run.run_report.was_damaged = store.found_damaged();
   build_all(command_run, log, parts, store);
 }
 /// Stores local maps that others built as they are.
 template <int Dim>
-void store_any(CommandRun& command_run, const SubmapSet<Dim>& set) {
+void store_any(CommandRun& command_run, SubmapSet<Dim> set) {
+  set.features_are_shared |= says_shared(command_run.options());
   demand(timed(command_run.run_report.write_seconds, [&] { return write_store(set, command_run.options().output); }));
 }
 template <int Dim>
@@ -58,7 +64,7 @@ void store_any(CommandRun& command_run, const StoredMaps<Dim>&) {
 ExitCode build_input(const Options& options, const std::stop_token& stop) {
   CommandRun command_run("build", options, stop);
   command_run.prepare(outputs_of_store(options));
-  command_run.with_log_or_maps([&](const auto& input) { store_any(command_run, input); });
+  command_run.with_log_or_maps([&](auto&& input) { store_any(command_run, std::move(input)); });
   command_run.run_report.files.push_back(options.output.string());
   command_run.write_associations();
   return command_run.conclude();

@@ -263,7 +263,7 @@ void declare_check(Subcommand& command) {
       "  mapjoin check data/manhattan2d.g2o --most all -o misfits.csv\n"
       "Exit codes: 0 nothing to warn of, 1 there are warnings or errors; else as always.");
   const auto options = std::make_shared<CheckOptions>();
-  command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
+  command.argument("FILE", options->input, kLogOrMaps);
   add_further_logs(command, *options);
   command.choice("--estimate", options->estimate,
                  "Where residuals are weighed: at the joined map, as `mapjoin run` would find it; at the "

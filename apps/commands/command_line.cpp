@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kDescription =
     "Builds large maps from many small ones: splits a log of odometry and feature observations into local maps, joins them, "
-    "and polishes the result to the optimum of the whole log.";
+    "and polishes the result to an optimum of the whole log.";
 
 constexpr std::size_t kWidth = 120;      ///< Width of the help in characters.
 constexpr std::size_t kNameColumn = 36;  ///< Part of it for the names of options.

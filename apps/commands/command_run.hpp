@@ -76,9 +76,11 @@ class CommandRun {
   template <int Dim>
   void write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
-  /// True if there are several inputs, also in one store, and no option says whether they share features: their maps have to
-  /// fit.
-  bool asks_features() const { return options_.features_undecided && run_report.has_several_inputs; }
+  /// True if there are several inputs, also in one store, and neither an option nor the store says whether they share features:
+  /// their maps have to fit.
+  bool asks_features() const {
+    return options_.features_undecided && run_report.has_several_inputs && !run_report.features_are_shared;
+  }
   /// A sentence that features of the same ids lie differently in the maps of two parts of the inputs, if the map of all does
   /// not fit or did not converge; nullopt otherwise, and if the options settle what ids mean.
   template <typename Data>

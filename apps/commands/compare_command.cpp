@@ -233,7 +233,7 @@ void declare_compare(Subcommand& command) {
   command.list("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
                options->poses_per_map, poses_in,
                fmt::format("not whole numbers from 2 to {} with commas between them", kLongestMap));
-  command.path("--truth", options->truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
+  command.path("--truth", options->truth, "FILE", "Measure the errors against this map, too: " + kTruthFiles);
   add_robust(command, *options);
   add_confidence(command, *options, "--robust");
   add_reading(command, *options);

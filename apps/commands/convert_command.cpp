@@ -147,7 +147,7 @@ void declare_convert(Subcommand& command) {
       "  mapjoin build data/manhattan2d.g2o -o manhattan.maps\n"
       "  mapjoin convert manhattan.maps FOLDER --to maps-text");
   const auto options = std::make_shared<ConvertOptions>();
-  command.argument("IN", options->input, "A log, a store, or a folder or archive of local maps, known by its content");
+  command.argument("IN", options->input, kLogOrMaps + ", known by its content");
   command.argument("OUT", options->output, "The file, or for maps-mat and maps-text the folder, to write");
   command.option("--to", listed(&Format::word, "|"), "Its format [by its extension: " + listed(&Format::extension, ", ") + "]",
                  [options](const std::string& word) -> std::optional<std::string> {

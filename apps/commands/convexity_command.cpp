@@ -166,7 +166,7 @@ void declare_convexity(Subcommand& command) {
       "  mapjoin convexity data/manhattan2d.g2o -o convexity\n"
       "  mapjoin convexity data/manhattan2d.g2o --states drift --spread 0.5 --to-best --pairs 20");
   const auto asked = std::make_shared<ConvexityRequest>();
-  command.argument("LOG|MAPS", asked->input, "A log; or a store, or a folder or archive of local maps");
+  command.argument("LOG|MAPS", asked->input, kLogOrMaps);
   command.path("-o,--output", asked->output, "DIR", "Write curves.csv and convexity.json into this folder");
   add_lines(command, asked->convexity);
   add_splitting(command, *asked);

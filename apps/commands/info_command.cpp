@@ -93,7 +93,7 @@ std::string described(const RunReport& run_report, const Content& content) {
 void declare_info(Subcommand& command) {
   command.examples("  mapjoin info data/manhattan2d.g2o");
   const auto options = std::make_shared<Options>();
-  command.argument("FILE", options->input, "A log, the folder of a run, a store, or a folder or archive of local maps");
+  command.argument("FILE", options->input, kLogOrMaps);
   add_further_logs(command, *options);
   add_reading(command, *options);
   command.act([options](const std::stop_token& stop) {

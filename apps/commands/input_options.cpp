@@ -77,7 +77,7 @@ void add_reading(Subcommand& command, Options& options) {
 }
 
 void add_further(Subcommand& command, Options& options, const std::string& kind) {
-  command.further("FURTHER", options.further, "Further " + kind + ", each a session in a frame and with pose ids of its own");
+  command.further(options.further, "Further " + kind + ", each a session in a frame and with pose ids of its own");
   command.group("Reading");
   command.choice("--features", options.merging.own_features, std::to_array<EnumName<bool>>({{false, "shared"}, {true, "own"}}),
                  "Whether features of the same id in different " + kind + " are the same");
@@ -90,7 +90,7 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
 
 void add_further_logs(Subcommand& command, Options& options) {
   add_further(command, options, "logs");
-  command.flag("--keep-copies", options.merging.keep_copies, "Edges that stand in two logs count twice");
+  command.flag("--keep-copies", options.merging.keep_copies, "Edges, or whole logs, that stand in two files count twice");
   command.path("--stamps", options.stamps, "FILE", "Times of poses: lines of id and time (s)");
   command.flag("--ids-are-nanoseconds", options.ids_are_nanoseconds, "Ids of poses are their times (ns)");
   command.check([&options]() -> std::vector<std::string> {

@@ -202,7 +202,7 @@ void add_certainty(Subcommand& command, Options& options) {
       "--relations", options.relations,
       "Write each pose and feature relative to the pose it was measured from, with how certain that is: relations.csv");
   command.path("--truth", options.truth, "FILE",
-               "Weigh the errors against this map by their covariances (NEES): .tum (poses only), else g2o with vertices");
+               "Weigh the errors against this map by their covariances (NEES): " + kTruthFiles);
   add_most_memory(command, options, "For covariances, which are refused where they take more [as much as there is]");
 }
 

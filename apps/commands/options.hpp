@@ -59,6 +59,12 @@ inline const std::string kLogFormats =
     "The log, known by its content: g2o, TORO, iSAM, GTSAM, MAT or text, also as gzip; or a folder of UTIAS MRCLAM data, or of "
     "a run";
 
+/// Help text of an argument that may be a log or local maps (see may_hold_maps()).
+inline const std::string kLogOrMaps = "A log, the folder of a run, a store, or a folder or archive of local maps";
+
+/// The files that a truth is read from (see TruthFile), for the help texts of --truth.
+inline const std::string kTruthFiles = ".tum (poses only), g2o with vertices, or the folder of a run";
+
 /// Help text of an output MAP (see write_map_file()).
 inline const std::string kMapFile = "Write the map: .g2o, .tum (poses only), .csv (features beside it), .mat";
 

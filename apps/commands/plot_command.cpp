@@ -70,13 +70,13 @@ AnyScene load_all(const PlotOptions& options, CommandRun& command_run, ExitCode&
 /// Moves everything into the frame of the first map, and says what could not be aligned.
 template <int Dim>
 void align_all(const PlotOptions& options, Scene<Dim>& scene) {
-  const auto align = [&](auto& what, const auto& places, const std::filesystem::path& file) {
-    const auto frame = alignment(places, scene.maps.front().map);
+  const PlottedMap<Dim>& first = scene.maps.front();
+  const auto align = [&](auto& what, const Expected<Pose<Dim>>& frame, const std::filesystem::path& file) {
     if (frame) return move(*frame, what);
     say(file.string() + ": " + frame.error().message + "; it is drawn as it stands");
   };
-  for (std::size_t k = 1; k < scene.maps.size(); ++k) align(scene.maps[k], scene.maps[k].map, options.inputs[k]);
-  if (scene.truth) align(*scene.truth, *scene.truth, options.truth_of_first);
+  for (std::size_t k = 1; k < scene.maps.size(); ++k) align(scene.maps[k], alignment(scene.maps[k], first), options.inputs[k]);
+  if (scene.truth) align(*scene.truth, alignment(*scene.truth, first.map), options.truth_of_first);
 }
 
 template <int Dim>
@@ -152,8 +152,7 @@ void declare_plot(Subcommand& command) {
                     "first; several are overlaid");
   command.path("-o,--output", options->output, "FILE",
                "Write a picture (.svg), or a page to look around in (.html) [plot.svg]");
-  command.path("--truth", options->truth_of_first, "FILE",
-               "Draw the truth of the first map, too: .tum, else g2o with vertices");
+  command.path("--truth", options->truth_of_first, "FILE", "Draw the truth of the first map, too: " + kTruthFiles);
   command.refusal("--no-align", options->align, "Overlay maps as they stand, not by what they share with the first one");
   command.flag("--covariances", options->covariances,
                "Local maps: with their covariances when joined; those of a map are drawn where they are beside it");

@@ -45,8 +45,8 @@ void Subcommand::words(const std::string& name, std::vector<std::string>& values
   app_->add_option(name, values, help)->required()->type_name("");
 }
 
-void Subcommand::further(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help) {
-  app_->add_option(name, values, help)->check(kPath)->type_name("");
+void Subcommand::further(std::vector<std::filesystem::path>& values, const std::string& help) {
+  app_->add_option(kFurther, values, help)->check(kPath)->type_name("");
 }
 
 void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {

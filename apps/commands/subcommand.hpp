@@ -43,6 +43,9 @@ std::optional<T> number_in(const std::string& word) {
   return value;
 }
 
+/// The argument for further inputs, as the help and messages name it.
+inline constexpr const char* kFurther = "FURTHER";
+
 /// A subcommand. Values that options are bound to must outlive it; its action can own them.
 class Subcommand {
  public:
@@ -67,8 +70,8 @@ class Subcommand {
   void arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
   /// One or several words that must be given, after the other arguments.
   void words(const std::string& name, std::vector<std::string>& values, const std::string& help);
-  /// Any number of paths, after the other arguments.
-  void further(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
+  /// The argument kFurther: any number of paths, after the other arguments.
+  void further(std::vector<std::filesystem::path>& values, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
   /// A flag with an optional word, --name=word; `take` is given "" if there is none.
   void flag(const std::string& name, const std::string& help, Take take);

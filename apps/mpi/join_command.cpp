@@ -22,7 +22,7 @@ void declare_mpi_join(Subcommand& command) {
       "  mpirun -n 4 mapjoin-mpi join stores/*.maps -o map.g2o");
   const auto options = std::make_shared<MpiOptions>();
   command.argument("STORE", options->input, "A store of `mapjoin build` or `mapjoin-mpi build` that all ranks can read");
-  command.further("FURTHER", options->further, "The stores of the other parts of the same log");
+  command.further(options->further, "The stores of the other parts of the same log");
   command.path("-o,--output", options->output, "MAP", kMapFile);
   add_way_of_ranks(command, *options);
   command.check([options] { return check_extension(options->output); });

@@ -84,19 +84,21 @@ bool is_there(const fs::path& file) {
   return fs::is_regular_file(file, ignored);
 }
 
-/// The folder of a run if this is its `map.g2o`; otherwise the path itself.
-fs::path run_of(const fs::path& path) {
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  const bool is_of_run = path.filename() == kMapOfRun && is_run_folder(folder) && is_there(folder / kReportOfRun) &&
-                         is_there(folder / "poses.csv");
-  return is_of_run ? folder : path;
+/// The folder of a run if this is one, or the `map.g2o` in it; nullopt otherwise.
+std::optional<fs::path> run_of(const fs::path& path) {
+  const fs::path parent = path.has_parent_path() ? path.parent_path() : ".";
+  const bool is_its_map =
+      path.filename() == kMapOfRun && is_there(path) && is_there(parent / kReportOfRun) && is_there(parent / "poses.csv");
+  const fs::path& folder = is_its_map ? parent : path;
+  return is_run_folder(folder) ? std::optional(folder) : std::nullopt;
 }
 
-/// The file of covariances beside a map: `covariances.json` in the folder of a run, `map.covariances.json` beside `map.g2o`;
+/// The file of covariances of a map: `covariances.json` in the folder of its run, `map.covariances.json` beside `map.g2o`;
 /// nullopt if there is none, and for a trajectory, which has no names.
-std::optional<fs::path> covariances_beside(const fs::path& path) {
-  const fs::path file = is_run_folder(path) ? path / "covariances.json" : extra_file(Extra::kCovariances, path);
-  return is_there(file) && extension_of(path) != ".tum" ? std::optional(file) : std::nullopt;
+std::optional<fs::path> covariances_beside(const fs::path& path, const std::optional<fs::path>& run) {
+  if (!run && extension_of(path) == ".tum") return std::nullopt;
+  const fs::path file = run ? *run / "covariances.json" : extra_file(Extra::kCovariances, path);
+  return is_there(file) ? std::optional(file) : std::nullopt;
 }
 
 /// The map in a file of covariances.
@@ -152,16 +154,17 @@ std::vector<std::string> read_run(const fs::path& folder, const Log<Dim>& log, P
   return {};
 }
 
+/// A log in a file, or in the folder of a run.
 template <int Dim>
-LoadedMap loaded(Log<Dim> log, const fs::path& path) {
+LoadedMap loaded(Log<Dim> log, const fs::path& path, const std::optional<fs::path>& run) {
   std::optional<GlobalMap<Dim>> certain;
-  if (const auto file = log.initial.poses.empty() ? std::nullopt : covariances_beside(path)) {
+  if (const auto file = log.initial.poses.empty() ? std::nullopt : covariances_beside(path, run)) {
     certain = read_covariances<Dim>(*file);
     log = with_names(*certain, std::move(log), *file).value();
   }
   PlottedMap<Dim> out = plotted(log);
   if (certain) take_covariances(*std::move(certain), out.map);
-  auto remarks = is_run_folder(path) ? read_run(path, log, out) : std::vector<std::string>();
+  auto remarks = run ? read_run(*run, log, out) : std::vector<std::string>();
   return {std::move(out), ExitCode::kDone, std::move(remarks)};
 }
 
@@ -216,12 +219,13 @@ std::vector<JoinStop<Dim>> join_stops(const SubmapGraph<Dim>& graph, const Globa
 }
 
 LoadedMap load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
-  const fs::path input = run_of(path);
-  if (may_hold_maps(input)) {
-    const AnyMaps maps = open_maps(input, options.read).value();
+  const std::optional<fs::path> run = run_of(path);
+  if (!run && may_hold_maps(path)) {
+    const AnyMaps maps = open_maps(path, options.read).value();
     return std::visit([&](const auto& of_dim) { return loaded(of_dim, options, stop); }, maps);
   }
-  return std::visit([&](auto&& of_dim) { return loaded(std::move(of_dim), input); }, open_log(input, options.read).value());
+  AnyLog log = run ? read_run_folder(*run, options.read).value() : open_log(path, options.read).value();
+  return std::visit([&](auto& of_dim) { return loaded(std::move(of_dim), path, run); }, log);
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                       \

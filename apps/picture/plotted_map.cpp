@@ -56,6 +56,13 @@ Table<PoseIndex, std::optional<std::size_t>> map_of_pose(const std::vector<MapFi
   return map;
 }
 
+/// True for a trajectory: poses with times, which are counted instead of named, and nothing that ties them.
+template <int Dim>
+bool is_trajectory(const PlottedMap<Dim>& plotted) {
+  return !plotted.map.stamps_ns.empty() && are_counted(plotted.map.pose_ids) && !plotted.is_odometry &&
+         plotted.odometry.empty() && plotted.links.empty();
+}
+
 /// The poses of a map with times.
 template <int Dim>
 std::vector<StampedPose> stamped_poses(const GlobalMap<Dim>& map) {
@@ -161,15 +168,17 @@ Expected<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& fir
 }
 
 template <int Dim>
-Expected<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first) {
+Expected<Pose<Dim>> alignment(const PlottedMap<Dim>& plotted, const PlottedMap<Dim>& onto) {
+  const GlobalMap<Dim>& map = plotted.map;
+  const GlobalMap<Dim>& first = onto.map;
   auto features = by_name(map.feature_ids, map.features, first.feature_ids);
-  if (!map.stamps_ns.empty() && !first.stamps_ns.empty()) {
-    if (are_counted(map.pose_ids)) {
-      return by_time<Dim>(stamped_poses(map), first.pose_ids, first.stamps_ns, kMatchingTimes).and_then([&](auto&& poses) {
-        return alignment(Truth<Dim>{std::move(poses), std::move(features)}, first);
-      });
-    }
-    if (are_counted(first.pose_ids)) return alignment(first, map).map([](const Pose<Dim>& frame) { return inverse(frame); });
+  if (is_trajectory(plotted) && !first.stamps_ns.empty()) {
+    return by_time<Dim>(stamped_poses(map), first.pose_ids, first.stamps_ns, kMatchingTimes).and_then([&](auto&& poses) {
+      return alignment(Truth<Dim>{std::move(poses), std::move(features)}, first);
+    });
+  }
+  if (is_trajectory(onto) && !map.stamps_ns.empty()) {
+    return alignment(onto, plotted).map([](const Pose<Dim>& frame) { return inverse(frame); });
   }
   return alignment(Truth<Dim>{by_name(map.pose_ids, map.poses, first.pose_ids), std::move(features)}, first);
 }
@@ -200,7 +209,7 @@ void move(const Pose<Dim>& frame, Truth<Dim>& truth) {
 #define MAPJOIN_INSTANTIATE(Dim)                                                                         \
   template Table<PoseIndex, Pose<Dim>> dead_reckoning(const Log<Dim>&, Table<PoseIndex, Pose<Dim>>);     \
   template std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>&, const Log<Dim>&); \
-  template Expected<Pose<Dim>> alignment(const GlobalMap<Dim>&, const GlobalMap<Dim>&);                  \
+  template Expected<Pose<Dim>> alignment(const PlottedMap<Dim>&, const PlottedMap<Dim>&);                \
   template Expected<Pose<Dim>> alignment(const Truth<Dim>&, const GlobalMap<Dim>&);                      \
   template void move(const Pose<Dim>&, PlottedMap<Dim>&);                                                \
   template void move(const Pose<Dim>&, Truth<Dim>&);                                                     \

@@ -72,11 +72,12 @@ struct Scene {
 
 using AnyScene = std::variant<Scene<2>, Scene<3>>;
 
-/// The rigid motion that best takes `map`, or the truth, onto `first`, by the positions that both have. Poses of two maps are
-/// the same if their names are or, if both maps have times and one only counts its poses, if their times are. An error, in a
-/// clause, if the positions do not determine a motion, and as for by_time().
+/// The rigid motion that best takes `plotted`, or the truth, onto the first map, by the positions that both have. Poses of two
+/// maps are the same if their names are or, if one is a trajectory, which has times and only counts its poses, and the other
+/// has times, too, if their times are: the clocks of two maps may differ. An error, in a clause, if the positions do not
+/// determine a motion, and as for by_time().
 template <int Dim>
-Expected<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first);
+Expected<Pose<Dim>> alignment(const PlottedMap<Dim>& plotted, const PlottedMap<Dim>& onto);
 template <int Dim>
 Expected<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first);
 

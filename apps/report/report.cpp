@@ -83,6 +83,7 @@ Json join_of(const RunReport& run_report) {
                {"state", options.state},
                {"start", takes_start ? std::optional(options.start) : std::nullopt},
                {"schedule", options.schedule},
+               {"confirmed", figures.is_confirmed},
                {"path", path_of(figures.path)},
                {"method", options.solver.method},
                {"engine", options.solver.engine}};

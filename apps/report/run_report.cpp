@@ -84,6 +84,7 @@ void RunReport::describe(const SubmapSet<Dim>& set) {
             .fixed_poses = set.graph.fixed.size()};
   for (const LocalMap<Dim>& map : set.graph.submaps) counts.map_features += map.features.size();
   has_several_inputs |= counts.sessions > 1;
+  features_are_shared = set.features_are_shared;
   has_local_maps = true;
   figures.local_maps = set.graph.submaps.size();
 }
@@ -91,6 +92,7 @@ void RunReport::describe(const SubmapSet<Dim>& set) {
 template <int Dim>
 void RunReport::describe(const StoredMaps<Dim>& stored) {
   has_several_inputs |= named_sessions(stored.log.poses) > 1;
+  features_are_shared = stored.features_are_shared;
   describe(stored.log);
   has_local_maps = true;
   figures.local_maps = stored.maps.size();

@@ -83,7 +83,8 @@ struct RunReport {
   Clock::time_point start = Clock::now();
   std::string command;
   std::string input;
-  bool has_several_inputs = false;  ///< True for several inputs, or a store of several.
+  bool has_several_inputs = false;   ///< True for several inputs, or a store of several.
+  bool features_are_shared = false;  ///< True for a store that says so of its inputs.
   int dimension = 0;
   Conventions conventions;
   Counts counts;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// progress LOG: a run that says how far it is, and is stopped by another thread.
+// progress LOG: a run that reports its progress, and is stopped half-way.
 #include <iostream>
 #include <mapjoin/mapjoin.hpp>
 #include <variant>

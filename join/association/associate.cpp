@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/association/associate.hpp>
@@ -29,6 +30,30 @@ std::vector<std::vector<Point<Dim>>> seen_at_once(std::span<const FeatureFactor<
   return sets;
 }
 
+/// The covariance of a point that is seen with the mean information of all, in a local map that on it alone; zero if that does
+/// not determine a point.
+template <int Dim>
+PointMatrix<Dim> mean_noise(std::span<const FeatureFactor<Dim>> observations, const std::vector<LocalMap<Dim>>& maps) {
+  PointMatrix<Dim> information = PointMatrix<Dim>::Zero();
+  std::size_t points = observations.size();
+  for (const auto& observation : observations) information += observation.information;
+  for (const auto& map : maps) {
+    points += map.features.size();
+    for (std::size_t f = 0; f < map.features.size(); ++f) {
+      const Eigen::Index row = map.row(map.poses.size() + f);
+      information += map.information.template block<Dim, Dim>(row, row);
+    }
+  }
+  if (information_rank<Dim>(information) < Dim) return PointMatrix<Dim>::Zero();
+  return static_cast<double>(points) * information.inverse();
+}
+
+/// The density of features around those that the poses and local maps see.
+template <int Dim>
+NeighbourDensity<Dim> density_of(std::span<const FeatureFactor<Dim>> observations, const std::vector<LocalMap<Dim>>& maps) {
+  return NeighbourDensity<Dim>(seen_at_once<Dim>(observations, maps), mean_noise<Dim>(observations, maps));
+}
+
 /// Splits a log into segments of equally many poses, with about kObservationsPerSegment observations each.
 template <int Dim>
 Split split_evenly(const Log<Dim>& log) {
@@ -43,15 +68,32 @@ tl::unexpected<Error> of_named_prior(const std::string& source) {
       ": has a prior of a feature, which --associate cannot find by its name again; leave out that prior, or --associate");
 }
 
-/// The error of joining what is known to be the same so far, in words of its cause if observations give no positions.
-template <int Dim>
-Error error_of_estimate(const std::string& source, std::span<const FeatureFactor<Dim>> observations, Error error) {
-  const auto has_position = [](const auto& o) { return information_rank<Dim>(o.information) == Dim; };
-  if (error.kind != ErrorKind::kBadInput || std::ranges::all_of(observations, has_position)) return error;
-  error.message = source +
-                  ": observations of ranges or bearings alone leave features free to move as long as --associate does not "
-                  "know which are the same: it needs observations that give positions; where ids hold, leave it out";
-  return error;
+/// Makes positions of all observations that give none; false if there are none.
+template <int Dim, template <int> typename Source>
+bool give_positions(Source<Dim>& data) {
+  bool any = false;
+  for (FeatureFactor<Dim>& o : data.graph.feature_factors) {
+    if (information_rank<Dim>(o.information) == Dim) continue;
+    const double most = o.information.diagonal().maxCoeff();
+    o.information = (most > 0.0 ? most : 1.0) * PointMatrix<Dim>::Identity();
+    any = true;
+  }
+  return any;
+}
+
+/// The error of `join` on data in which features are the same as far as is known; in words of its cause if the join succeeds
+/// once all observations give positions.
+template <int Dim, template <int> typename Source, typename Join>
+Error error_of_estimate(Source<Dim> data, const Join& join, Error error) {
+  if (error.kind != ErrorKind::kBadInput) return error;
+  const std::string source = data.source;
+  const bool is_for_positions = give_positions(data) && join(std::move(data));
+  const std::string why = is_for_positions
+                              ? "observations of ranges or bearings alone leave features free to move as long as --associate "
+                                "does not know which are the same: it needs observations that give positions; where ids hold, "
+                                "leave it out"
+                              : error.message;
+  return bad_input_of(source, why).value();
 }
 
 /// Tracks all observations, segment by segment; features are numbered consecutively over all segments.
@@ -140,10 +182,9 @@ std::vector<std::string> AssociationOptions::validate() const {
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  if (log.poses.empty()) return bad_input_of(log.source, "there are no poses");
+  if (auto sound = check_invariants(log); !sound) return tl::unexpected(sound.error());
   if (!log.feature_priors().empty()) return of_named_prior(log.source);
-  const auto sets = seen_at_once<Dim>(log.observations(), {});
-  const NeighbourDensity<Dim> density(sets);
+  const NeighbourDensity<Dim> density = density_of<Dim>(log.observations(), {});
   const Split split = split_evenly(log);
   std::vector<Seen> seen;
   for (const auto& observation : log.observations()) seen.push_back({observation.base, observation.target});
@@ -156,9 +197,10 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
     }
     if (stop.stop_requested()) return interrupted("associating");
   }
+  const auto join = [&](Log<Dim> data) { return estimate_of(std::move(data), split, stop); };
   const auto estimate = [&](const Identities& known) {
-    return estimate_of(renamed(log, known), split, stop).map_error([&](Error error) {
-      return error_of_estimate(log.source, log.observations(), std::move(error));
+    return join(renamed(log, known)).map_error([&](Error error) {
+      return error_of_estimate(renamed(log, known), join, std::move(error));
     });
   };
   return found_in(log, identities_of(log, seen, sightings_of(log, split), std::move(labels), options), std::move(matches),
@@ -174,8 +216,7 @@ Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const 
   }
   if (std::ranges::any_of(set.graph.feature_factors, [](const auto& o) { return o.base == kWorld; }))
     return of_named_prior(set.source);
-  const auto sets = seen_at_once<Dim>(set.graph.feature_factors, set.graph.submaps);
-  const NeighbourDensity<Dim> density(sets);
+  const NeighbourDensity<Dim> density = density_of<Dim>(set.graph.feature_factors, set.graph.submaps);
   std::vector<Seen> seen;
   for (const auto& map : set.graph.submaps) {
     for (const FeatureIndex feature : map.features) seen.push_back({map.base, feature});
@@ -183,9 +224,10 @@ Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const 
   for (const auto& observation : set.graph.feature_factors) seen.push_back({observation.base, observation.target});
   std::vector<std::size_t> labels(seen.size());
   std::iota(labels.begin(), labels.end(), std::size_t{0});
+  const auto join = [&](SubmapSet<Dim> data) { return estimate_of(std::move(data), stop); };
   const auto estimate = [&](const Identities& known) {
-    return estimate_of(renamed(set, known), stop).map_error([&](Error error) {
-      return error_of_estimate<Dim>(set.source, set.graph.feature_factors, std::move(error));
+    return join(renamed(set, known)).map_error([&](Error error) {
+      return error_of_estimate(renamed(set, known), join, std::move(error));
     });
   };
   return found_in(set, identities_of(set, seen, sightings_of(set), std::move(labels), options),

@@ -5,6 +5,24 @@
 #include <numbers>
 
 namespace mapjoin {
+namespace {
+
+/// The logarithm of the odds of a difference with covariance S, whose squared Mahalanobis distance is d2, against another
+/// feature there that is not known yet.
+template <int Dim>
+double gain(const Point<Dim>& difference, const PointMatrix<Dim>& S, double d2, double log_determinant,
+            const NeighbourDensity<Dim>& density) {
+  const double log_likelihood = -0.5 * (d2 + log_determinant + Dim * std::log(2.0 * std::numbers::pi));
+  return log_likelihood - density.log_within(std::sqrt(difference.squaredNorm() + S.trace()));
+}
+
+/// The logarithm of the determinant of a matrix by its Cholesky factor.
+template <int Dim>
+double log_determinant(const Eigen::LLT<PointMatrix<Dim>>& factor) {
+  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
+}  // namespace
 
 template <int Dim>
 PointMatrix<Dim> PairingProblem<Dim>::covariance_of(const Pairing& one, const Pairing& other) const {
@@ -41,10 +59,25 @@ std::optional<Extension<Dim>> Hypothesis<Dim>::extension(const Pairing& pairing,
   const double d2 = whitened.squaredNorm();
   const bool is_within = d2 <= gates(Dim) && squared_distance() + d2 <= gates(rows + Dim);  // false if S is not finite
   if (!is_within) return std::nullopt;
-  const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
-  const double log_likelihood = -0.5 * (d2 + log_determinant + Dim * std::log(2.0 * std::numbers::pi));
-  const double apart = std::sqrt(difference.squaredNorm() + S.trace());
-  return Extension<Dim>{pairing, log_likelihood - density.log_within(apart), S, whitened, std::move(coupling)};
+  return Extension<Dim>{pairing, gain<Dim>(difference, S, d2, log_determinant<Dim>(factor), density), S, whitened,
+                        std::move(coupling)};
+}
+
+/// With L Lᵀ the covariance of all differences d and E the rows of the pairing, its information given the others is Zᵀ Z, with
+/// Z = L⁻¹ E, and (Zᵀ Z)⁻¹ Zᵀ L⁻¹ d its difference. The rows of Z above E are zero.
+template <int Dim>
+std::optional<GivenOthers<Dim>> Hypothesis<Dim>::given_others(std::size_t place, const NeighbourDensity<Dim>& density,
+                                                              ChiSquaredQuantiles& gates) const {
+  const Eigen::Index rows = whitened_.size() - static_cast<Eigen::Index>(place) * Dim;
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(rows, Dim);
+  factor_.bottomRightCorner(rows, rows).template triangularView<Eigen::Lower>().solveInPlace(Z);
+  const Eigen::LLT<PointMatrix<Dim>> factor(PointMatrix<Dim>(Z.transpose() * Z));
+  const PointMatrix<Dim> S = factor.solve(PointMatrix<Dim>::Identity());
+  const Point<Dim> weighted = Z.transpose() * whitened_.tail(rows);
+  const Point<Dim> difference = S * weighted;
+  const double d2 = weighted.dot(difference);
+  if (!(d2 <= gates(Dim))) return std::nullopt;
+  return GivenOthers<Dim>{gain<Dim>(difference, S, d2, -log_determinant<Dim>(factor), density), S};
 }
 
 template <int Dim>
@@ -71,10 +104,10 @@ void Hypothesis<Dim>::extend_by(const std::vector<Pairing>& pairings, const Neig
 }
 
 template <int Dim>
-double Hypothesis<Dim>::growth(const Point<Dim>& shift) const {
-  const Eigen::VectorXd shifts = shift.replicate(static_cast<Eigen::Index>(pairings_.size()), 1);
-  const Eigen::VectorXd moved = factor_.template triangularView<Eigen::Lower>().solve(shifts);
-  return (whitened_ + moved).squaredNorm() - whitened_.squaredNorm();
+ShiftGrowth<Dim> Hypothesis<Dim>::growth() const {
+  Eigen::MatrixXd moved = PointMatrix<Dim>::Identity().replicate(static_cast<Eigen::Index>(pairings_.size()), 1);
+  factor_.template triangularView<Eigen::Lower>().solveInPlace(moved);
+  return {moved.transpose() * moved, moved.transpose() * whitened_};
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)       \

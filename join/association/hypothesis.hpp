@@ -53,6 +53,21 @@ struct Extension {
   double squared_distance() const { return whitened.squaredNorm(); }
 };
 
+/// A pairing of a hypothesis, given all others.
+template <int Dim>
+struct GivenOthers {
+  double gain = 0.0;            ///< Logarithm of the odds against another feature there that is not known yet.
+  PointMatrix<Dim> covariance;  ///< Covariance of the difference, given the other pairings (m²).
+};
+
+/// The growth of the squared distance of a hypothesis if all known features are shifted, which it is called with.
+template <int Dim>
+struct ShiftGrowth {
+  PointMatrix<Dim> information;  ///< Of a shift (1/m²).
+  Point<Dim> slope;              ///< Half the gradient at no shift (1/m).
+  double operator()(const Point<Dim>& shift) const { return shift.dot(information * shift + 2.0 * slope); }
+};
+
 /// Pairings that are jointly compatible: the squared Mahalanobis distance of all their differences is within its gate.
 template <int Dim>
 class Hypothesis {
@@ -71,11 +86,13 @@ class Hypothesis {
   std::optional<Extension<Dim>> extension(const Pairing& pairing, const NeighbourDensity<Dim>& density,
                                           ChiSquaredQuantiles& gates) const;
   void extend(const Extension<Dim>& extension);
+  /// pairings()[place], given all others; nullopt if its distance given these is outside of its gate. O(n²) for n pairings.
+  std::optional<GivenOthers<Dim>> given_others(std::size_t place, const NeighbourDensity<Dim>& density,
+                                               ChiSquaredQuantiles& gates) const;
   /// Extends the hypothesis by those of the pairings, in their order, that can be added.
   void extend_by(const std::vector<Pairing>& pairings, const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates);
 
-  /// The growth of the squared distance if all known features were shifted.
-  double growth(const Point<Dim>& shift) const;
+  ShiftGrowth<Dim> growth() const;
 
  private:
   const PairingProblem<Dim>* problem_;

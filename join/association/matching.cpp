@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <mapjoin/join/association/matching.hpp>
+#include <mapjoin/join/association/point_tree.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -15,12 +17,14 @@ constexpr std::size_t kMostPlacements = 8;
 /// Points count as coincident under a shift if they are within this quantile of their distance.
 constexpr double kSamePoint = 0.99;
 
-/// The number of points that fall onto one of them when all are shifted.
+/// All shifts of points onto each other: from the first point to each one, from the next one, …
 template <int Dim>
-std::size_t coincident(const std::vector<Point<Dim>>& points, const Point<Dim>& shift, double tolerance2) {
-  return static_cast<std::size_t>(std::ranges::count_if(points, [&](const Point<Dim>& p) {
-    return std::ranges::any_of(points, [&](const Point<Dim>& q) { return (p + shift - q).squaredNorm() < tolerance2; });
-  }));
+std::vector<Point<Dim>> shifts_between(const std::vector<Point<Dim>>& points) {
+  std::vector<Point<Dim>> shifts;
+  for (const auto& from : points) {
+    for (const auto& to : points) shifts.push_back(to - from);
+  }
+  return shifts;
 }
 
 }  // namespace
@@ -37,10 +41,11 @@ template <int Dim>
 std::vector<std::size_t> Matcher<Dim>::gated(PairingProblem<Dim>& problem) {
   std::vector<std::pair<std::size_t, double>> rank(problem.sightings.size());
   std::vector<std::size_t> order;
+  const Hypothesis<Dim> none(problem);
   for (std::size_t s = 0; s < problem.sightings.size(); ++s) {
     double least = std::numeric_limits<double>::infinity();
     std::erase_if(problem.choices[s], [&](std::size_t known) {
-      const auto alone = Hypothesis<Dim>(problem).extension({known, s}, density_, gates_);
+      const auto alone = none.extension({known, s}, density_, gates_);
       if (alone) least = std::min(least, alone->covariance.determinant());
       return !alone;
     });
@@ -116,7 +121,7 @@ template <int Dim>
 std::vector<Match> Matcher<Dim>::matches(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement) {
   std::vector<Match> matches;
   for (const Pairing& pairing : placement.pairings()) {
-    const auto given_others = without(problem, placement, pairing).extension(pairing, density_, gates_);
+    const auto given_others = placement.given_others(matches.size(), density_, gates_);
     matches.push_back({pairing.known, given_others ? probability_of(given_others->gain) : 0.0,
                        squared_distance(problem, pairing), problem.choices[pairing.sighting].size(), placement.score()});
   }
@@ -130,30 +135,35 @@ bool Matcher<Dim>::contradicts(const Hypothesis<Dim>& other, const Pairing& pair
   return other.takes(pairing.known) || !other.extension(pairing, density_, gates_);
 }
 
-template <int Dim>
-Hypothesis<Dim> Matcher<Dim>::without(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& all, const Pairing& pairing) {
-  Hypothesis<Dim> others(problem);
-  std::vector<Pairing> rest = all.pairings();
-  std::erase(rest, pairing);
-  others.extend_by(rest, density_, gates_);
-  return others;
-}
-
-/// The summed odds, against no shift, of all shifts under which at least half of the surroundings fall onto themselves.
+/// The summed odds, against no shift, of all shifts under which at least half of the surroundings fall onto themselves. Odds
+/// too small to change a sum with 1 are left out.
 template <int Dim>
 double Matcher<Dim>::odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& best, double tolerance2) const {
   const auto& points = problem.surroundings;
-  std::vector<Point<Dim>> shifts;
+  const std::vector<Point<Dim>> shifts = shifts_between<Dim>(points);
+  const ShiftGrowth<Dim> growth = best.growth();
+  const auto odds_of = [&](const Point<Dim>& shift) { return std::exp(-0.5 * growth(shift)); };
+  std::vector<Point<Dim>> likely;
+  std::ranges::copy_if(shifts, std::back_inserter(likely), [&](const Point<Dim>& shift) {
+    return shift.squaredNorm() >= tolerance2 && odds_of(shift) >= std::numeric_limits<double>::epsilon();
+  });
+  if (likely.empty()) return 0.0;
+  const PointTree<Dim> point_tree(points);
+  const PointTree<Dim> shift_tree(shifts);
+  const double tolerance = std::sqrt(tolerance2);
+  const std::size_t half = (points.size() + 1) / 2;
+  const auto falls_onto_one = [&](const Point<Dim>& p) { return !point_tree.some_within(p, tolerance, 1).empty(); };
+  std::vector<Point<Dim>> found;
   double odds = 0.0;
-  for (const auto& from : points) {
-    for (const auto& to : points) {
-      const Point<Dim> shift = to - from;
-      const auto is_near = [&](const Point<Dim>& other) { return (other - shift).squaredNorm() < tolerance2; };
-      if (is_near(Point<Dim>::Zero()) || std::ranges::any_of(shifts, is_near)) continue;
-      if (2 * coincident(points, shift, tolerance2) < points.size()) continue;
-      shifts.push_back(shift);
-      odds += std::exp(-0.5 * best.growth(shift));
-    }
+  for (const Point<Dim>& shift : likely) {
+    const auto is_near = [&](const Point<Dim>& other) { return (other - shift).squaredNorm() < tolerance2; };
+    if (std::ranges::any_of(found, is_near)) continue;
+    if (shift_tree.some_within(shift, tolerance, half).size() < half)
+      continue;  // there is one for each point that falls onto one
+    const auto falling = std::ranges::count_if(points, [&](const Point<Dim>& p) { return falls_onto_one(p + shift); });
+    if (static_cast<std::size_t>(falling) < half) continue;
+    found.push_back(shift);
+    odds += odds_of(shift);
   }
   return odds;
 }
@@ -164,10 +174,10 @@ void Matcher<Dim>::match_jointly(const PairingProblem<Dim>& problem, const std::
   const std::vector<Hypothesis<Dim>> found = placements(problem, order);
   if (found.empty()) return;
   const Hypothesis<Dim>& best = found.front();
-  std::vector<std::optional<Extension<Dim>>> given_others;
+  std::vector<std::optional<GivenOthers<Dim>>> given_others;
   double spread = 0.0;  // largest variance of a pairing along an axis, given the others (m²)
-  for (const Pairing& pairing : best.pairings()) {
-    given_others.push_back(without(problem, best, pairing).extension(pairing, density_, gates_));
+  for (std::size_t k = 0; k < best.pairings().size(); ++k) {
+    given_others.push_back(best.given_others(k, density_, gates_));
     if (given_others.back()) spread = std::max(spread, given_others.back()->covariance.trace() / Dim);
   }
   const double shifts = odds_of_shifts(problem, best, spread * chi_squared_quantile(kSamePoint, Dim));

@@ -61,7 +61,6 @@ class Matcher {
   std::vector<Hypothesis<Dim>> placements(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order);
   double squared_distance(const PairingProblem<Dim>& problem, const Pairing& pairing);
   bool contradicts(const Hypothesis<Dim>& other, const Pairing& pairing);
-  Hypothesis<Dim> without(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& all, const Pairing& pairing);
   double odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& best, double tolerance2) const;
   void match_jointly(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order, std::vector<Match>& matches);
   void match_nearest(const PairingProblem<Dim>& problem, std::vector<Match>& matches);

@@ -12,42 +12,71 @@ namespace {
 template <int Dim>
 constexpr double kUnitBall = (Dim == 2 ? 1.0 : 4.0 / 3.0) * std::numbers::pi;
 
-/// The volume of the evenly filled ellipsoid with the covariance of the points: its radii are √(Dim + 2) standard deviations.
+/// The fewest points of a set whose covariance tells how much they fill.
 template <int Dim>
-double volume(std::span<const Point<Dim>> points) {
+constexpr std::size_t kFewestPoints = Dim + 2;
+
+/// The most distances that are kept; of more, those of sets spread evenly over all.
+constexpr std::size_t kMostDistances = 4'000'000;
+
+/// The covariance of points.
+template <int Dim>
+PointMatrix<Dim> scatter(std::span<const Point<Dim>> points) {
   Point<Dim> mean = Point<Dim>::Zero();
   for (const auto& p : points) mean += p;
   mean /= static_cast<double>(points.size());
   PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();
   for (const auto& p : points) covariance += (p - mean) * (p - mean).transpose();
-  covariance /= static_cast<double>(points.size() - 1);
+  return covariance / static_cast<double>(points.size() - 1);
+}
+
+/// The volume of the evenly filled ellipsoid with a covariance: its radii are √(Dim + 2) standard deviations.
+template <int Dim>
+double volume(const PointMatrix<Dim>& covariance) {
   return kUnitBall<Dim> * std::pow(Dim + 2.0, 0.5 * Dim) * std::sqrt(std::max(0.0, covariance.determinant()));
 }
 
-/// The number of points over the volume that they fill: over all sets that are large enough, otherwise over all sets laid over
-/// each other.
+/// The volume that the sets of kFewestPoints points or more fill. Where sets are thinner than `noise`, which then more than
+/// doubles the determinants of their covariances, they are taken with it: what lies in a plane, or on a line, is as thick as
+/// it.
 template <int Dim>
-double mean_density(std::span<const std::vector<Point<Dim>>> sets) {
-  constexpr std::size_t kFewest = Dim + 2;
-  double points = 0.0;
+double filled_by(std::span<const std::vector<Point<Dim>>> sets, const PointMatrix<Dim>& noise) {
   double filled = 0.0;
+  double with_noise = 0.0;
+  for (const auto& set : sets) {
+    if (set.size() < kFewestPoints<Dim>) continue;
+    const PointMatrix<Dim> covariance = scatter<Dim>(set);
+    filled += volume<Dim>(covariance);
+    with_noise += volume<Dim>(covariance + noise);
+  }
+  return with_noise > std::numbers::sqrt2 * filled ? with_noise : filled;
+}
+
+/// The number of points over the volume that they fill: over all sets that are large enough, otherwise over all sets laid over
+/// each other. 1 if these are too few, or fill nothing.
+template <int Dim>
+double mean_density(std::span<const std::vector<Point<Dim>>> sets, const PointMatrix<Dim>& noise) {
+  double points = 0.0;
   std::vector<Point<Dim>> all;
   for (const auto& set : sets) {
     all.insert(all.end(), set.begin(), set.end());
-    if (set.size() < kFewest) continue;
-    points += static_cast<double>(set.size());
-    filled += volume<Dim>(set);
+    if (set.size() >= kFewestPoints<Dim>) points += static_cast<double>(set.size());
   }
-  if (filled > 0.0) return points / filled;
-  if (all.size() < kFewest) return 1.0;
-  return static_cast<double>(all.size()) / static_cast<double>(sets.size()) / volume<Dim>(all);
+  const bool has_large_sets = points > 0.0;
+  if (!has_large_sets) points = static_cast<double>(all.size()) / static_cast<double>(sets.size());
+  const double filled = has_large_sets ? filled_by<Dim>(sets, noise) : filled_by<Dim>(std::span(&all, 1), noise);
+  return filled > 0.0 ? points / filled : 1.0;
 }
 
 }  // namespace
 
 template <int Dim>
-NeighbourDensity<Dim>::NeighbourDensity(std::span<const std::vector<Point<Dim>>> sets) : overall_(mean_density<Dim>(sets)) {
-  for (const auto& set : sets) {
+NeighbourDensity<Dim>::NeighbourDensity(std::span<const std::vector<Point<Dim>>> sets, const PointMatrix<Dim>& noise)
+    : overall_(mean_density<Dim>(sets, noise)) {
+  std::size_t pairs = 0;
+  for (const auto& set : sets) pairs += set.size() * (set.size() - 1) / 2;
+  for (std::size_t k = 0; k < sets.size(); k += 1 + pairs / kMostDistances) {
+    const auto& set = sets[k];
     points_ += static_cast<double>(set.size());
     for (std::size_t i = 0; i < set.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) distances_.push_back((set[i] - set[j]).norm());

@@ -14,8 +14,10 @@ namespace mapjoin {
 template <int Dim>
 class NeighbourDensity {
  public:
-  /// Each set holds points of different features, in any frame (m).
-  explicit NeighbourDensity(std::span<const std::vector<Point<Dim>>> sets);
+  /// Each set holds points of different features, in any frame (m). Their errors have the covariance `noise` (m²), zero if it
+  /// is not known: features in a plane, or on a line, count as spread across it by so much.
+  explicit NeighbourDensity(std::span<const std::vector<Point<Dim>>> sets,
+                            const PointMatrix<Dim>& noise = PointMatrix<Dim>::Zero());
 
   /// The logarithm of the density (1/m to the power of Dim) of other features within a distance (m) of a feature. One pair more
   /// is counted than was seen; the density is at most overall().
@@ -23,9 +25,9 @@ class NeighbourDensity {
   double overall() const { return overall_; }
 
  private:
-  std::vector<double> distances_;  // between all pairs of points of a set, ascending (m)
-  double points_ = 0.0;
-  double overall_ = 0.0;  // density over whole sets
+  std::vector<double> distances_;  // between all pairs of points of a set, ascending (m); of many sets, of some of them
+  double points_ = 0.0;            // number of points of these sets
+  double overall_ = 0.0;           // density over whole sets
 };
 
 }  // namespace mapjoin

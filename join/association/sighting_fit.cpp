@@ -22,6 +22,10 @@ std::vector<SightingTest> tests_of(const FeatureEstimate<Dim>& estimate, const I
   for (std::size_t map = 0; map < estimate.is_local_map.size(); ++map) {
     if (estimate.is_local_map[map]) map_of_factor.push_back(map);
   }
+  std::vector<std::size_t> map_of_observation;  // observations of their own are in the order of their sightings
+  for (std::size_t s = 0; s < identities.sighting_count(); ++s) {
+    if (const std::size_t map = identities.sighting(s).map; !estimate.is_local_map[map]) map_of_observation.push_back(map);
+  }
   const auto is_shared = [&](FeatureIndex f) {
     const auto sightings = identities.sightings_of(f);
     return identities.sighting(sightings.front()).map != identities.sighting(sightings.back()).map;
@@ -29,12 +33,19 @@ std::vector<SightingTest> tests_of(const FeatureEstimate<Dim>& estimate, const I
   std::vector<std::vector<SightingTest>> of_factors(equations.pattern().factors.size());
   parallel_for(of_factors.size(), [&](std::size_t factor) {
     const auto [kind, place] = system.source_of(factor);
-    if (kind != JoiningSystem<Dim>::Source::kMap) return;
+    const auto add = [&](std::size_t map, FeatureIndex feature, Eigen::Index row) {
+      if (!is_shared(feature)) return;
+      const PartTest test = leave_one_out.test({factor, row, Dim});
+      if (test.rows == Dim) of_factors[factor].push_back({map, feature, test.chi2});
+    };
+    if (kind == JoiningSystem<Dim>::Source::kPoseFactor) return;
+    if (kind == JoiningSystem<Dim>::Source::kFeatureFactor) {
+      add(map_of_observation[place], system.feature_factors()[place].observation->target, 0);
+      return;
+    }
     const LocalMap<Dim>& map = *system.maps()[place].map;
     for (std::size_t f = 0; f < map.features.size(); ++f) {
-      if (!is_shared(map.features[f])) continue;
-      const PartTest test = leave_one_out.test({factor, map.row(map.poses.size() + f), Dim});
-      if (test.rows == Dim) of_factors[factor].push_back({map_of_factor[place], map.features[f], test.chi2});
+      add(map_of_factor[place], map.features[f], map.row(map.poses.size() + f));
     }
   });
   std::vector<SightingTest> tests;

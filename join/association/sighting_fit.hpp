@@ -8,14 +8,16 @@
 
 namespace mapjoin {
 
-/// The test of a map's measurement of a feature, which other maps see, too, against everything else.
+/// The test of a map's measurement of a feature, which other maps see, too, against everything else. If the map is observations
+/// on their own, the measurement is one of these.
 struct SightingTest {
   std::size_t map = 0;
   FeatureIndex feature;
   double chi2 = 0.0;  ///< Squared Mahalanobis distance, chi-square with as many degrees of freedom as dimensions.
 };
 
-/// Leave-one-out tests of the features that several local maps see, in the order of the maps.
+/// Leave-one-out tests of the features that several maps see: those of observations on their own, then those of local maps,
+/// each in the order of the maps.
 template <int Dim>
 std::vector<SightingTest> tests_of(const FeatureEstimate<Dim>& estimate, const Identities& identities);
 

@@ -60,8 +60,8 @@ class MapCovariances {
   Variable variable(FeatureIndex feature) const { return feature_variables_[feature]; }
 
   /// The covariances of every variable, and of all that one observation ties together, at about twice the cost of the
-  /// factorisation. `progress` is called with the supernodes done and to do; kInterrupted on `stop`. This must outlive the
-  /// result.
+  /// factorisation. `progress` is called with the supernodes done and to do; kInterrupted on `stop`. The result owns all that
+  /// it needs.
   Expected<Marginals> on_pattern(const std::function<void(std::size_t, std::size_t)>& progress = nullptr,
                                  const std::stop_token& stop = {}) const;
   /// The covariances of every pose and feature, in the map and relative to their parents.

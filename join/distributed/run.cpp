@@ -35,13 +35,12 @@ Expected<void> make_room(const Communicator& comm, Problem& problem, double most
                   megabytes(fronts), megabytes(separators), megabytes(most_megabytes))});
 }
 
-/// kBadInput, by name, if a pose or feature of this rank cannot be determined.
-template <int Dim>
-Expected<void> check_determined(const LogPart<Dim>& whole, const std::optional<PoseOrFeature>& singular) {
-  if (!singular) return {};
-  if (const auto* pose = std::get_if<PoseIndex>(&*singular))
-    return bad_input_of(whole.source, to_string(whole.poses[*pose]) + " cannot be determined");
-  return bad_input_of(whole.source, to_string(whole.features[std::get<FeatureIndex>(*singular)]) + " cannot be determined");
+/// kBadInput, by name, if poses or features of this rank cannot be determined.
+template <int Dim, typename Problem>
+Expected<void> check_determined(const LogPart<Dim>& whole, Problem& problem) {
+  const std::string free = problem.free_here(whole);
+  if (free.empty()) return {};
+  return bad_input_of(whole.source, free);
 }
 
 /// The map on the first rank; empty on the others. Poses and features of several regions have the same value in each.
@@ -106,7 +105,7 @@ Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPar
   }
   result.largest_rotation = comm.max(result.largest_rotation);
   if (result.join.status == MinimiseStatus::kSingular) {
-    if (auto determined = comm.agree(check_determined(whole, problem.singular_here())); !determined) return determined;
+    if (auto determined = comm.agree(check_determined(whole, problem)); !determined) return determined;
     return bad_input_of(whole.source, "the observations leave free to move what regions share");
   }
   found.shared_by_regions = problem.interface().size;
@@ -175,7 +174,7 @@ Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, An
   };
   return best_of_ways<AnyFound>(run_by_way, [](AnyFound& found) {
     RunFigures& figures = figures_of(found);
-    return SolveByWay{figures.join, figures.largest_rotation, figures.is_settled};
+    return SolveByWay{figures.join, figures.largest_rotation, figures.is_settled, figures.is_confirmed};
   });
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 #include <vector>
@@ -14,8 +15,10 @@
 namespace mapjoin {
 namespace {
 
-/// The share of redundancy below which a direction is not tested: g is then the difference of nearly equal numbers.
+/// The share of redundancy below which a direction is not tested, as M is the difference of nearly equal numbers; less where M
+/// is computed from solutions for the factor itself, which do not cancel.
 constexpr double kLeastRedundancy = 1e-6;
+constexpr double kLeastSolvedRedundancy = 1e-8;
 /// The share of the largest below which eigenvalues and pivots are rounding, as for information_rank().
 constexpr double kLeastPivot = 1e-9;
 /// The number of tests from which on a scale is estimated, and the quantiles that are compared.
@@ -107,9 +110,9 @@ auto information(const LinearMap<Dim>& linear, const MeasuredPart& part) {
   return linear.map->information.block(part.row, part.row, part.rows, part.rows);
 }
 
-/// True if M exceeds kLeastRedundancy · W in all directions, as it does for most parts.
-bool has_all_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W) {
-  const Eigen::LLT<Eigen::MatrixXd> llt(M - kLeastRedundancy * W);
+/// True if M exceeds least · W in all directions, as it does for most parts.
+bool has_all_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W, double least) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(M - least * W);
   if (llt.info() != Eigen::Success) return false;
   return (llt.matrixLLT().diagonal().array().square() > kLeastPivot * W.diagonal().array()).all();
 }
@@ -122,20 +125,36 @@ Eigen::MatrixXd scaled_eigenvectors(const Eigen::MatrixXd& A, double least) {
   return eigen.eigenvectors().rightCols(count) * eigen.eigenvalues().tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
-/// The columns B with Bᵀ M B = I over the directions in which M is at least kLeastRedundancy of W: M⁺ = B Bᵀ there.
-Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W) {
+/// The columns B with Bᵀ M B = I over the directions in which M is at least the share `least` of W: M⁺ = B Bᵀ there.
+Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W, double least) {
   const Eigen::ArrayXd diagonal = W.diagonal().array();
   const Eigen::VectorXd scale = (diagonal > 0.0).select(diagonal.rsqrt(), 0.0);  // rows that are not measured drop out
   const Eigen::MatrixXd whitening =
       scale.asDiagonal() * scaled_eigenvectors(scale.asDiagonal() * W * scale.asDiagonal(), kLeastPivot);
-  return whitening * scaled_eigenvectors(whitening.transpose() * M * whitening, kLeastRedundancy);
+  return whitening * scaled_eigenvectors(whitening.transpose() * M * whitening, least);
+}
+
+/// The number of factors of each variable.
+Table<Variable, std::size_t> factor_counts(const BlockPattern& pattern) {
+  Table<Variable, std::size_t> counts(pattern.dofs.size(), 0);
+  for (std::size_t k = 0; k < pattern.factors.size(); ++k) {
+    for (const Variable v : pattern.factors[k]) {
+      if (v != kConstant) ++counts[v];
+    }
+  }
+  return counts;
 }
 
 }  // namespace
 
 template <int Dim>
 LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEquations& equations, const Marginals& marginals)
-    : system_(system), equations_(equations), marginals_(marginals), step_(equations.solve(equations.gradient())), offsets_{0} {
+    : system_(system),
+      equations_(equations),
+      marginals_(marginals),
+      step_(equations.solve(equations.gradient())),
+      offsets_{0},
+      least_redundancies_(factor_count(), kLeastRedundancy) {
   for (std::size_t k = 0; k < factor_count(); ++k) {
     const auto rows = static_cast<std::size_t>(system.rows(k));
     offsets_.push_back(offsets_.back() + rows * (rows + 1));
@@ -151,15 +170,49 @@ LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEqua
 }
 
 template <int Dim>
+void LeaveOneOut<Dim>::solve_for_weak(std::span<const std::size_t> factors) {
+  std::vector<std::size_t> weak;
+  for (const std::size_t k : factors) {
+    const Eigen::MatrixXd W = dense_factor(system_, k).W;
+    if (has_all_directions(M(k), W, kLeastRedundancy)) continue;
+    if (testable_directions(M(k), W, kLeastRedundancy).cols() < information_rank<Eigen::Dynamic>(W)) weak.push_back(k);
+  }
+  if (weak.empty()) return;
+  const Table<Variable, std::size_t> counts = factor_counts(equations_.pattern());
+  std::erase_if(weak, [&](std::size_t k) {
+    return std::ranges::any_of(equations_.pattern().factors[k], [&](Variable v) { return v != kConstant && counts[v] == 1; });
+  });
+  for (const std::size_t k : weak) solve_for(k);
+}
+
+/// Uses M = W (I - J P Jᵀ W), where P Jᵀ W is solved for: poses far from the gauge then move together by next to nothing, while
+/// their covariances are large and nearly cancel.
+template <int Dim>
+void LeaveOneOut<Dim>::solve_for(std::size_t factor) {
+  const auto [r, W, J] = dense_factor(system_, factor);
+  const Eigen::MatrixXd Jt_W = J.transpose() * W;
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(equations_.size(), Jt_W.cols());
+  for_each_variable<Dim>(equations_, factor, [&](Variable v, Eigen::Index column) {
+    columns.middleRows(equations_.offset(v), equations_.dof(v)) = Jt_W.middleRows(column, equations_.dof(v));
+  });
+  Eigen::MatrixXd share = -times<Dim>(J, equations_.solve_columns(columns), factor, equations_);
+  share.diagonal().array() += 1.0;
+  const Eigen::MatrixXd product = W * share;
+  M(factor) = 0.5 * (product + product.transpose());
+  least_redundancies_[factor] = kLeastSolvedRedundancy;
+}
+
+template <int Dim>
 PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
   const Eigen::MatrixXd W =
       system_.with_linear_factor(part.factor, [&](const auto& linear) -> Eigen::MatrixXd { return information(linear, part); });
   const Eigen::MatrixXd M_A = M(part.factor).block(part.row, part.row, part.rows, part.rows);
   const auto g_A = g(part.factor).segment(part.row, part.rows);
-  if (has_all_directions(M_A, W)) {
+  const double least = least_redundancies_[part.factor];
+  if (has_all_directions(M_A, W, least)) {
     return {g_A.dot(M_A.llt().solve(g_A)), static_cast<int>(part.rows), W.llt().solve(M_A).trace()};
   }
-  const Eigen::MatrixXd B = testable_directions(M_A, W);
+  const Eigen::MatrixXd B = testable_directions(M_A, W, least);
   const double redundancy = (B.transpose() * W * B).diagonal().cwiseInverse().sum();  // it is diagonal
   return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols()), redundancy};
 }
@@ -178,8 +231,9 @@ PartTest LeaveOneOut<Dim>::prediction(std::size_t factor) const {
 template <int Dim>
 double LeaveOneOut<Dim>::leave_out(const MeasuredPart& part) {
   const DenseFactor factor = dense_factor(system_, part.factor);
-  const Eigen::MatrixXd B = testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
-                                                factor.W.block(part.row, part.row, part.rows, part.rows));
+  const Eigen::MatrixXd B =
+      testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
+                          factor.W.block(part.row, part.row, part.rows, part.rows), least_redundancies_[part.factor]);
   const Eigen::MatrixXd W_B = factor.W.middleCols(part.row, part.rows) * B;
   const Eigen::MatrixXd WJ_B = factor.J.transpose() * W_B;
   const Eigen::VectorXd shift = B.transpose() * g(part.factor).segment(part.row, part.rows);

@@ -52,9 +52,10 @@ class IncrementalJoin {
   explicit IncrementalJoin(const Pose<Dim>& origin = {});
 
   /// Adds the next update. Its segment begins with a new pose or with the last one of an earlier segment that no other
-  /// continues, and its other poses are new; all other poses that it concerns are of earlier segments. Bad input, and nothing
-  /// is added, if that is not so or check_update() finds a fault. If a stop is requested while all updates are joined at once,
-  /// the estimate stays as it is, and an update that needs that join waits.
+  /// continues, and its other poses are new; all other poses that it concerns are of earlier segments. One without a source is
+  /// called by its number among all updates, "update 3". Bad input, and nothing is added, if that is not so or check_update()
+  /// finds a fault. If a stop is requested while all updates are joined at once, the estimate stays as it is, and an update
+  /// that needs that join waits.
   Expected<AddedUpdate> add(SubmapUpdate<Dim> update, const std::stop_token& stop = {});
 
   /// Adds many updates at once, such as the first part of a long log that is there already. The result is that of all together;

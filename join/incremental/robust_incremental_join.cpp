@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <iterator>
 #include <mapjoin/join/incremental/robust_incremental_join.hpp>
-#include <mapjoin/join/robust/odometry_chain.hpp>
 #include <mapjoin/localmap/taken_apart.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <set>
 #include <string>
@@ -16,6 +16,12 @@ namespace {
 
 /// The ratio of updates to those at the last verdict from which on the next one may be asked for.
 constexpr double kGrowth = 1.25;
+
+/// Names an update without a source by its number.
+template <int Dim>
+void name_by(std::size_t number, SubmapUpdate<Dim>& update) {
+  if (update.source.empty()) update.source = "update " + std::to_string(number);
+}
 
 /// The closure of an update that has nothing else.
 template <int Dim>
@@ -100,7 +106,7 @@ bool RobustIncrementalJoin<Dim>::knows_ends(const SubmapUpdate<Dim>& closure) co
   return join_.pose(closure.poses[0]) && join_.pose(closure.poses[1]);
 }
 
-/// False if the estimate leaves an end free to move.
+/// False if the estimate leaves an end free to move. Uses (W⁻¹ + C)⁻¹ = (I + W C)⁻¹ W, as W may be singular.
 template <int Dim>
 bool RobustIncrementalJoin<Dim>::contradicts(const SubmapUpdate<Dim>& closure) const {
   constexpr int kDof = kPoseDof<Dim>;
@@ -110,9 +116,10 @@ bool RobustIncrementalJoin<Dim>::contradicts(const SubmapUpdate<Dim>& closure) c
   const auto linear = linearise<Dim>(o.measured, *join_.pose(closure.poses[0]), *join_.pose(closure.poses[1]));
   Eigen::Matrix<double, kDof, 2 * kDof> J;
   J << linear.J_base, linear.J_target;
-  const PoseMatrix<Dim> S = covariance_of(o.information) + J * *P * J.transpose();
-  const double distance = linear.residual.dot(S.llt().solve(linear.residual));
-  return !(distance < gate(kDof));
+  const PoseMatrix<Dim> I_WC = PoseMatrix<Dim>::Identity() + o.information * J * *P * J.transpose();
+  const PoseVector<Dim> W_r = o.information * linear.residual;
+  const double distance = linear.residual.dot(I_WC.partialPivLu().solve(W_r));
+  return !(distance <= gate(static_cast<double>(information_rank(o.information))));
 }
 
 template <int Dim>
@@ -142,8 +149,9 @@ Expected<std::vector<std::size_t>> RobustIncrementalJoin<Dim>::hold(std::vector<
 
 template <int Dim>
 Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const std::stop_token& stop) {
-  if (update.source.empty()) update.source = "update " + std::to_string(++added_);
+  name_by(added_ + 1, update);
   if (const auto checked = join_.check(update); !checked) return tl::unexpected(checked.error());
+  ++added_;
   const auto before = join_.left_out();
   const std::size_t first = join_.update_count();
   auto [rest, closures] = apart(std::move(update));
@@ -164,10 +172,9 @@ Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add_all(std::vector<SubmapUp
                                                             const std::stop_token& stop) {
   const auto before = join_.left_out();
   std::vector<SubmapUpdate<Dim>> closures;
-  for (SubmapUpdate<Dim>& update : updates) {
-    if (update.source.empty()) update.source = "update " + std::to_string(++added_);
-  }
+  for (std::size_t k = 0; k < updates.size(); ++k) name_by(added_ + 1 + k, updates[k]);
   if (const auto checked = join_.check(updates); !checked) return tl::unexpected(checked.error());
+  added_ += updates.size();
   for (SubmapUpdate<Dim>& update : updates) {
     Apart parts = apart(std::move(update));
     update = std::move(parts.update);
@@ -199,7 +206,7 @@ void RobustIncrementalJoin<Dim>::try_closures(std::span<const std::size_t> closu
   const double chi2_before = join_.chi2();
   const std::int64_t dof_before = join_.dof();
   done.added = both(done.added, join_.change({}, closures, stop));
-  if (join_.chi2() - chi2_before < gate(static_cast<double>(join_.dof() - dof_before))) return;
+  if (join_.chi2() - chi2_before <= gate(static_cast<double>(join_.dof() - dof_before))) return;
   done.added = both(done.added, join_.change(closures, {}, stop));
   is_doubtful_ = true;
 }

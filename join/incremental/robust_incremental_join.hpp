@@ -45,7 +45,8 @@ class RobustIncrementalJoin {
   /// or `origin` is no pose.
   explicit RobustIncrementalJoin(const RobustOptions& options = {}, const Pose<Dim>& origin = {});
 
-  /// Adds an update as IncrementalJoin::add() does, except for closures that are judged wrong.
+  /// Adds an update as IncrementalJoin::add() does, except for closures that are judged wrong. One without a source is called
+  /// by its number among all updates that were added, "update 3".
   Expected<RobustlyAdded> add(SubmapUpdate<Dim> update, const std::stop_token& stop = {});
   /// Adds many updates at once, and judges all closures. Bad input as IncrementalJoin::add_all(), but nothing is then added.
   Expected<RobustlyAdded> add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
@@ -83,7 +84,7 @@ class RobustIncrementalJoin {
   RobustOptions options_;
   IncrementalJoin<Dim> join_;
   std::vector<std::size_t> closures_;  // their numbers among the updates of join_, ascending
-  std::size_t added_ = 0;              // unnamed updates so far
+  std::size_t added_ = 0;              // updates so far, however many closures they had
   bool is_doubtful_ = false;
   std::size_t judged_at_ = 0;  // number of updates of join_ at the last verdict
 };

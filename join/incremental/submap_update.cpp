@@ -15,11 +15,6 @@
 namespace mapjoin {
 namespace {
 
-/// Throws std::invalid_argument with the fault that was found.
-void demand_sound(const Expected<void>& checked) {
-  if (!checked) throw std::invalid_argument(checked.error().message);
-}
-
 /// The number of the segment with which a pose becomes known.
 std::size_t segment_of(const std::vector<Segment>& segments, PoseIndex pose) {
   const auto segment = std::ranges::lower_bound(segments, pose, {}, &Segment::end);

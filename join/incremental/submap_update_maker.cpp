@@ -57,14 +57,13 @@ Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window
   auto log = std::move(builder).finish(PoseOrder::kOfIds);
   if (!log) return tl::unexpected(log.error());
   Window window{*std::move(log), {}, 0};
-  // Poses that a closure from elsewhere mentions are kept, as fixed poses are.
+  Table<PoseIndex, bool> elsewhere(window.log.poses.size(), false);  // of poses that a closure from elsewhere mentions
   for (const Edge& closure : closures_) {
     for (const PoseId& end : {closure.base, closure.target}) {
-      if (const auto pose = find_ascending(window.log.poses, end)) window.log.graph.fixed.push_back({PoseIndex(*pose), {}});
+      if (const auto pose = find_ascending(window.log.poses, end)) elsewhere[PoseIndex(*pose)] = true;
     }
   }
-  window.split = split(window.log, split_);
-  window.log.graph.fixed.clear();
+  window.split = split(window.log, split_, elsewhere);
   auto& segments = window.split.segments;
   window.open_begin = is_end ? indices(window.log.poses).last : segments.back().begin;
   if (!is_end) segments.pop_back();

@@ -6,24 +6,21 @@
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
-/// The variance of a whole turn (rad²): a rotation of larger variance is taken as unmeasured.
-constexpr double kAnyTurn = 4.0 * std::numbers::pi * std::numbers::pi;
 /// Prior log-odds of a closure: nine in ten may be wrong.
 const double kPriorOdds = std::log(1.0 / 9.0);
 /// Bound on the evidence of odometry, or of a map, against a closure (log-odds).
 constexpr double kMostAgainst = 20.0;
-/// Odometry steps in a stretch.
+/// Odometry steps in a stretch, times the reach.
 constexpr std::int32_t kStretch = 25;
-/// Maximum number of odometry steps in a loop of two closures: longer loops tell little.
+/// Maximum number of odometry steps in a loop of two closures, times the reach.
 constexpr std::int32_t kLongestLoop = 60;
-/// Maximum number of samples of a cell, with which others are compared: one for each step of a stretch.
+/// Maximum number of samples of a cell, with which others are compared.
 constexpr std::size_t kMostOfACell = kStretch;
 /// The share of the closures, the best supported ones, whose loops give the scale if there are at least kLeastLoops.
 constexpr double kBestShare = 0.05;
@@ -36,10 +33,11 @@ constexpr double kClosestShare = 0.1;
 
 template <int Dim>
 ClosureSupport<Dim>::ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
-                                    const std::stop_token& stop)
-    : chain_(chain), volume_(chain.volume()), pairs_(closures.size()) {
+                                    std::int32_t reach, const std::stop_token& stop)
+    : chain_(chain), volume_(chain.volume()), reach_(reach), pairs_(closures.size()) {
+  const double extent = chain.extent();
   for (const PoseFactor<Dim>& closure : closures) {
-    const UncertainPose<Dim> measured = uncertain(closure);
+    const UncertainPose<Dim> measured = uncertain(completed(closure, extent));
     if (closure.base < closure.target) {
       closures_.push_back({closure.base, closure.target, measured});
     } else {
@@ -54,7 +52,8 @@ ClosureSupport<Dim>::ClosureSupport(const OdometryChain<Dim>& chain, std::span<c
 
 template <int Dim>
 void ClosureSupport<Dim>::sort_into_cells() {
-  const auto cell_of = [](const Closure& c) { return std::pair(c.early.value / kStretch, c.late.value / kStretch); };
+  const std::int32_t stretch = reach_ * kStretch;
+  const auto cell_of = [&](const Closure& c) { return std::pair(c.early.value / stretch, c.late.value / stretch); };
   for (std::size_t k = 0; k < closures_.size(); ++k) order_.push_back(k);
   std::ranges::stable_sort(order_, {}, [&](std::size_t k) { return cell_of(closures_[k]); });
   for (std::size_t k = 0; k < order_.size(); ++k) {
@@ -82,24 +81,34 @@ void ClosureSupport<Dim>::sample(std::span<std::size_t> cell) {
 /// is a sample.
 template <int Dim>
 std::vector<typename ClosureSupport<Dim>::Pair> ClosureSupport<Dim>::pairs_of(std::size_t closure) const {
-  constexpr std::int32_t kReach = kLongestLoop / kStretch + 1;
+  constexpr std::int32_t kCellsAround = kLongestLoop / kStretch + 1;
   std::vector<Pair> pairs;
   const Closure& a = closures_[closure];
   const auto [row, column] = cells_[a.cell];
-  for (std::int32_t r = row - kReach; r <= row + kReach; ++r) {
-    const auto begin = std::ranges::lower_bound(cells_, std::pair(r, column - kReach));
-    for (auto cell = begin; cell != cells_.end() && *cell <= std::pair(r, column + kReach); ++cell) {
+  for (std::int32_t r = row - kCellsAround; r <= row + kCellsAround; ++r) {
+    const auto begin = std::ranges::lower_bound(cells_, std::pair(r, column - kCellsAround));
+    for (auto cell = begin; cell != cells_.end() && *cell <= std::pair(r, column + kCellsAround); ++cell) {
       const auto place = static_cast<std::size_t>(cell - cells_.begin());
       const std::size_t end = a.is_sampled ? first_[place + 1] : std::min(first_[place + 1], first_[place] + kMostOfACell);
       for (std::size_t k = first_[place]; k < end; ++k) {
         const Closure& b = closures_[order_[k]];
         const std::int32_t steps = std::abs(a.early - b.early) + std::abs(a.late - b.late);
-        const bool is_loop = steps <= kLongestLoop && chain_.is_tied(a.early, b.early) && chain_.is_tied(a.late, b.late);
+        const bool is_loop = steps <= longest_loop() && chain_.is_tied(a.early, b.early) && chain_.is_tied(a.late, b.late);
         if (is_loop && order_[k] > closure) pairs.push_back({order_[k], evidence_of(loop(a, b))});
       }
     }
   }
   return pairs;
+}
+
+template <int Dim>
+std::int32_t ClosureSupport<Dim>::longest_loop() const {
+  return reach_ * kLongestLoop;
+}
+
+template <int Dim>
+bool ClosureSupport<Dim>::compares_all() const {
+  return longest_loop() >= 2 * static_cast<std::int64_t>(chain_.pose_count());
 }
 
 /// The loop from the early end of a to that of b, over b, back to the late end of a, and over a.
@@ -113,7 +122,7 @@ template <int Dim>
 Evidence ClosureSupport<Dim>::evidence_of(const UncertainPose<Dim>& loop) const {
   const PoseMatrix<Dim>& covariance = loop.covariance;
   const PoseVector<Dim> mismatch = local(Pose<Dim>{}, loop.mean);
-  const bool is_turned_anyhow = covariance.diagonal().template tail<kRotationDof<Dim>>().minCoeff() > kAnyTurn;
+  const bool is_turned_anyhow = covariance.diagonal().template tail<kRotationDof<Dim>>().minCoeff() > kSquaredTurn;
   if (!is_turned_anyhow) return evidence<kPoseDof<Dim>>(mismatch, covariance, volume_);
   return evidence<Dim>(Vector<Dim>(mismatch.template head<Dim>()), Matrix<Dim>(covariance.template topLeftCorner<Dim, Dim>()),
                        volume_ / kVolumeOfRotations<Dim>);
@@ -161,6 +170,10 @@ template <int Dim>
 std::vector<double> ClosureSupport<Dim>::odds(const std::vector<PriorOdds>& priors, double scale) const {
   const auto of_pair = [&](std::size_t, const Pair& pair) { return pair.evidence.at(scale, kMostOfAPair); };
   return odds_by_agreement(priors, agreements(priors, of_pair));
+}
+
+double odds_of_best(const std::vector<double>& odds) {
+  return nth_largest(odds, odds.size() / kBestOneOf);
 }
 
 template <int Dim>
@@ -245,7 +258,27 @@ double ClosureSupport<Dim>::sum_of_odds(std::optional<PoseIndex> left_out) const
   return sum;
 }
 
-template class ClosureSupport<2>;
-template class ClosureSupport<3>;
+template <int Dim>
+ClosureSupport<Dim> supported(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
+                              const std::stop_token& stop) {
+  const auto is_enough = [](const ClosureSupport<Dim>& support) {
+    return odds_of_best(support.odds(support.priors(1.0), 1.0)) > kLeastOdds;
+  };
+  ClosureSupport<Dim> shortest(chain, closures, 1, stop);
+  if (closures.empty() || shortest.compares_all() || is_enough(shortest)) return shortest;
+  for (std::int32_t reach = 2; !stop.stop_requested(); reach *= 2) {
+    ClosureSupport<Dim> support(chain, closures, reach, stop);
+    if (is_enough(support)) return support;
+    if (support.compares_all()) break;
+  }
+  return shortest;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)      \
+  template class ClosureSupport<Dim>; \
+  template ClosureSupport<Dim> supported(const OdometryChain<Dim>&, std::span<const PoseFactor<Dim>>, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin

@@ -16,12 +16,28 @@
 
 namespace mapjoin {
 
+/// Log-odds above which the others support a closure or an observation; below the negative of this they are against it.
+inline constexpr double kLeastOdds = 3.0;
+
+/// One closure in so many is among the best.
+inline constexpr std::size_t kBestOneOf = 100;
+
+/// The log-odds that the best of some closures, one in kBestOneOf, surpass; the largest if there are fewer. There must be at
+/// least one.
+double odds_of_best(const std::vector<double>& odds);
+
 /// The evidence that closures of a log give for each other.
 template <int Dim>
 class ClosureSupport {
  public:
-  /// Compares all pairs, until a stop is requested. `chain`, by the odometry of the same log, must outlive this.
-  ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures, const std::stop_token& stop = {});
+  /// Compares all pairs whose loop has at most 60 · `reach` odometry steps, until a stop is requested. `chain`, by the odometry
+  /// of the same log, must outlive this.
+  ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures, std::int32_t reach,
+                 const std::stop_token& stop = {});
+  /// The number of odometry steps in the longest loop that is compared.
+  std::int32_t longest_loop() const;
+  /// True if no loop is too long to be compared.
+  bool compares_all() const;
 
   /// Prior odds of each closure by odometry alone, with all covariances multiplied by `scale`.
   std::vector<PriorOdds> priors(double scale) const;
@@ -80,11 +96,18 @@ class ClosureSupport {
 
   const OdometryChain<Dim>& chain_;
   double volume_;
+  std::int32_t reach_;
   std::vector<Closure> closures_;
   std::vector<std::pair<std::int32_t, std::int32_t>> cells_;  // ascending
   std::vector<std::size_t> first_;                            // begin of each cell in order_, and the end
   std::vector<std::size_t> order_;                            // closures cell by cell
   std::vector<std::vector<Pair>> pairs_;                      // by the smaller index of the two
 };
+
+/// The support of closures by each other over loops that are just long enough for the best to be supported: longer ones in a
+/// log with many poses from closure to closure. Over the shortest ones if none do. `chain` must outlive it.
+template <int Dim>
+ClosureSupport<Dim> supported(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
+                              const std::stop_token& stop);
 
 }  // namespace mapjoin

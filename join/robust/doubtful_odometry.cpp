@@ -12,8 +12,6 @@ namespace {
 
 /// A step is doubtful if the evidence for it (log-odds) is below this: three loops contradict it.
 constexpr double kDoubtful = -3.0 * kMostOfAPair;
-/// Steps to either side of a doubtful one that are not judged until it is cut.
-constexpr std::int32_t kNearby = 60;
 
 /// Maximum number of suspected steps that are tried, those contradicted most. The log-odds of closures must gain more than
 /// kLeastGain without the step: those of both closures of three loops.
@@ -22,13 +20,14 @@ constexpr double kLeastGain = 6.0 * kMostOfAPair;
 /// Maximum number of verdicts on maps after which the log is cut again.
 constexpr int kMostVerdicts = 3;
 
-/// The poses after the steps that are doubtful by their evidence, ascending; of neighbouring ones only the worst.
-std::vector<PoseIndex> spoken_against(const Table<PoseIndex, double>& evidence) {
+/// The poses after the steps that are doubtful by their evidence, ascending; of those up to `nearby` steps apart only the
+/// worst: the others are not judged until it is cut.
+std::vector<PoseIndex> spoken_against(const Table<PoseIndex, double>& evidence, std::int32_t nearby) {
   std::vector<PoseIndex> poses;
   const auto begin = evidence.begin();
   for (const PoseIndex p : indices(evidence)) {
-    const auto first = begin + std::max(0, p.value - kNearby);
-    const auto last = begin + std::min(static_cast<std::int32_t>(evidence.size()), p.value + kNearby + 1);
+    const auto first = begin + std::max(0, p.value - nearby);
+    const auto last = begin + std::min(static_cast<std::int32_t>(evidence.size()), p.value + nearby + 1);
     if (evidence[p] < kDoubtful && std::min_element(first, last) == begin + p.value) poses.push_back(p);
   }
   return poses;
@@ -39,7 +38,7 @@ std::vector<PoseIndex> spoken_against(const Table<PoseIndex, double>& evidence) 
 template <int Dim>
 std::vector<PoseIndex> suspected_steps(const ClosureSupport<Dim>& support) {
   const Table<PoseIndex, double> evidence = support.evidence_for_steps(ClosureSupport<Dim>::Voices::kFor);
-  std::vector<PoseIndex> poses = spoken_against(evidence);
+  std::vector<PoseIndex> poses = spoken_against(evidence, support.longest_loop());
   std::ranges::stable_sort(poses, {}, [&](PoseIndex p) { return evidence[p]; });
   poses.resize(std::min(poses.size(), kMostTried));
   const double believed = support.sum_of_odds();
@@ -116,7 +115,7 @@ Log<Dim> cut_before(const Log<Dim>& log, const std::vector<PoseIndex>& poses) {
 
 template <int Dim>
 std::vector<PoseIndex> doubtful_steps(const ClosureSupport<Dim>& support) {
-  return spoken_against(support.evidence_for_steps(ClosureSupport<Dim>::Voices::kAll));
+  return spoken_against(support.evidence_for_steps(ClosureSupport<Dim>::Voices::kAll), support.longest_loop());
 }
 
 template <int Dim>

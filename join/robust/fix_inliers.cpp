@@ -171,6 +171,7 @@ template <int Dim>
 Expected<std::vector<RejectedFix>> find_wrong_fixes(const Log<Dim>& log, const RobustOptions& options,
                                                     const std::stop_token& stop) {
   demand_valid(options);
+  if (auto sound = check_invariants(log); !sound) return tl::unexpected(sound.error());
   const auto count = static_cast<double>(log.pose_priors().size());
   std::vector<RejectedFix> wrong;
   if (count == 0.0) return wrong;

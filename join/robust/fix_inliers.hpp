@@ -21,7 +21,7 @@ struct RejectedFix {
 /// (least median of squares over random pairs, triples in space). From there the part is solved with losses truncated at the
 /// threshold of the confidence, by graduated non-convexity, and then again with only the fixes that cost less; those that are
 /// then beyond the threshold are outliers. None are found in a part if too few of its fixes stand apart to tell. kBadInput if
-/// too few fixes agree to determine a map; kInterrupted on stop.
+/// check_invariants() finds a fault, or if too few fixes agree to determine a map; kInterrupted on stop.
 template <int Dim>
 Expected<std::vector<RejectedFix>> find_wrong_fixes(const Log<Dim>& log, const RobustOptions& options,
                                                     const std::stop_token& stop = {});

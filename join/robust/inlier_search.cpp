@@ -4,6 +4,7 @@
 #include <limits>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/inlier_search.hpp>
+#include <mapjoin/join/robust/repeated_odometry.hpp>
 #include <mapjoin/join/robust/selection.hpp>
 #include <mapjoin/join/robust/sighting_support.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
@@ -221,11 +222,20 @@ class InlierSearch {
 
 }  // namespace
 
+namespace {
+
+/// The number of closures, observations and repetitions of odometry; at least 1.
+template <int Dim>
+double doubtful_count_of(const Log<Dim>& log) {
+  const std::size_t count = log.closures().size() + log.observations().size() + repeated_odometry(log).size();
+  return std::max(1.0, static_cast<double>(count));
+}
+
+}  // namespace
+
 template <int Dim>
 Screening<Dim>::Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop)
-    : chain(log),
-      support(chain, log.closures(), stop),
-      doubtful_count(std::max(1.0, static_cast<double>(log.closures().size() + log.observations().size()))) {
+    : chain(log), support(supported(chain, log.closures(), stop)), doubtful_count(doubtful_count_of(log)) {
   const double tail = (1.0 - confidence) / doubtful_count;
   gates.widest = {chi_squared_upper_quantile(tail, kPoseDof<Dim>), chi_squared_upper_quantile(tail, Dim)};
   screen_closures();

@@ -13,16 +13,13 @@
 
 namespace mapjoin {
 
-/// Log-odds above which the others support a closure or an observation; below the negative of this they are against it.
-inline constexpr double kLeastOdds = 3.0;
-
 /// Evidence gathered before anything is solved: how well closures agree with odometry and with each other, and observations
 /// among themselves.
 template <int Dim>
 struct Screening {
   OdometryChain<Dim> chain;
   ClosureSupport<Dim> support;
-  double doubtful_count;  ///< Number of closures and observations; at least 1.
+  double doubtful_count;  ///< Number of closures, observations and repetitions of odometry; at least 1.
   Gates gates;
   std::vector<PriorOdds> priors;         ///< Prior odds of the closures.
   std::vector<double> odds;              ///< Log-odds of the closures.

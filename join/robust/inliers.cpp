@@ -14,10 +14,9 @@
 namespace mapjoin {
 namespace {
 
-/// The first map takes closures with at least this share of the log-odds that one in kOneSurpassesOf closures surpasses.
+/// The first map takes closures with at least this share of the log-odds of the best.
 constexpr double kFirstShare = 0.6;
-constexpr std::size_t kOneSurpassesOf = 100;
-/// The ratio of the numbers of closures of successive first maps, if there are fewer than kOneSurpassesOf closures.
+/// The ratio of the numbers of closures of successive first maps, where odds tell little.
 constexpr std::size_t kFirstGrowth = 3;
 /// Maximum number of outvoted closures and observations with which a log is first tried as it is.
 constexpr std::size_t kMostOutvoted = 20;
@@ -36,13 +35,12 @@ Expected<bool> fits_as_it_is(const Log<Dim>& log, const Screening<Dim>& screenin
   });
 }
 
-/// The least log-odds of the closures of each first map, descending. If a hundredth of the closures is none, odds tell little:
-/// maps of the best one, three, nine and so on (and of ties with them) are tried, and one of all.
+/// The least log-odds of the closures of each first map, descending. If there are few closures, or the best are not supported,
+/// odds tell little: maps of the best one, three, nine and so on (and of ties with them) are tried, and one of all.
 std::vector<double> odds_of_first_maps(const std::vector<double>& odds) {
   if (odds.empty()) return {kLeastOdds};
-  if (const std::size_t rank = odds.size() / kOneSurpassesOf; rank > 0) {
-    return {std::max(kLeastOdds, kFirstShare * nth_largest(odds, rank))};
-  }
+  const double best = odds_of_best(odds);
+  if (odds.size() >= kBestOneOf && best > kLeastOdds) return {std::max(kLeastOdds, kFirstShare * best)};
   std::vector<double> firsts;
   for (std::size_t count = 1; count < odds.size(); count *= kFirstGrowth) {
     const double least = nth_largest(odds, count - 1);

@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <mapjoin/join/robust/odometry_chain.hpp>
+#include <mapjoin/model/information.hpp>
 #include <numbers>
 #include <utility>
 
@@ -48,6 +49,15 @@ UncertainPose<Dim> inverse(const UncertainPose<Dim>& a) {
 }
 
 template <int Dim>
+PoseFactor<Dim> completed(PoseFactor<Dim> edge, double extent) {
+  if (information_rank(edge.information) == kPoseDof<Dim>) return edge;
+  auto diagonal = edge.information.diagonal();
+  diagonal.template head<Dim>().array() += 1.0 / (extent * extent);
+  diagonal.template tail<kRotationDof<Dim>>().array() += 1.0 / kSquaredTurn;
+  return edge;
+}
+
+template <int Dim>
 UncertainPose<Dim> uncertain(const PoseFactor<Dim>& observation) {
   const PoseMatrix<Dim> J = step_of_twist(observation.measured).inverse();
   return {observation.measured, J * covariance_of(observation.information) * J.transpose()};
@@ -91,18 +101,31 @@ UncertainPose<Dim> OdometryChain<Dim>::relative(PoseIndex base, PoseIndex target
 }
 
 template <int Dim>
-double OdometryChain<Dim>::volume() const {
+std::vector<Eigen::AlignedBox<double, Dim>> OdometryChain<Dim>::boxes() const {
   std::vector<Eigen::AlignedBox<double, Dim>> boxes(sessions_.empty() ? 0 : sessions_.back() + 1);
   for (const PoseIndex p : indices(poses_)) boxes[sessions_[p]].extend(poses_[p].mean.translation);
+  return boxes;
+}
+
+template <int Dim>
+double OdometryChain<Dim>::volume() const {
   double largest = 0.0;
-  for (const auto& box : boxes) largest = std::max(largest, box.sizes().cwiseMax(1.0).prod());
+  for (const auto& box : boxes()) largest = std::max(largest, box.sizes().cwiseMax(1.0).prod());
   return largest * kVolumeOfRotations<Dim>;
+}
+
+template <int Dim>
+double OdometryChain<Dim>::extent() const {
+  double longest = 1.0;
+  for (const auto& box : boxes()) longest = std::max(longest, box.sizes().maxCoeff());
+  return longest;
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                             \
   template PoseMatrix<Dim> adjoint(const Pose<Dim>&);                                        \
   template UncertainPose<Dim> compose(const UncertainPose<Dim>&, const UncertainPose<Dim>&); \
   template UncertainPose<Dim> inverse(const UncertainPose<Dim>&);                            \
+  template PoseFactor<Dim> completed(PoseFactor<Dim>, double);                               \
   template UncertainPose<Dim> uncertain(const PoseFactor<Dim>&);                             \
   template UncertainPose<Dim> forwards(const PoseFactor<Dim>&);                              \
   template UncertainPose<Dim> fused(const UncertainPose<Dim>&, const UncertainPose<Dim>&);   \

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 #include <mapjoin/join/robust/predictions.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -15,6 +17,14 @@ struct OfBase {
   std::vector<Variable> targets;
 };
 
+/// The longest side of the box around all poses (m), at least 1.
+template <int Dim>
+double extent_of(const Values<Dim>& values) {
+  Eigen::AlignedBox<double, Dim> box;
+  for (const Pose<Dim>& pose : values.poses) box.extend(pose.translation);
+  return std::max(1.0, box.sizes().maxCoeff());
+}
+
 }  // namespace
 
 template <int Dim>
@@ -29,11 +39,12 @@ std::vector<UncertainPose<Dim>> mismatches(const JoiningSystem<Dim>& system, con
     const Variable v = system.variable(pose);
     return v == kConstant ? PoseMatrix<Dim>::Zero() : PoseMatrix<Dim>(marginals[v]);
   };
+  const double extent = extent_of(system.estimate());
   std::vector<char> are_near(closures.size());
   parallel_for(closures.size(), [&](std::size_t k) {
     if (stop.stop_requested()) return;
     const auto [r, J_target, J_base] = linearised(closures[k]);
-    const PoseMatrix<Dim> own = covariance_of(closures[k].information);
+    const PoseMatrix<Dim> own = covariance_of(completed(closures[k], extent).information);
     const PoseMatrix<Dim> of_ends = J_base * covariance(closures[k].base) * J_base.transpose() +
                                     J_target * covariance(closures[k].target) * J_target.transpose();
     const PoseMatrix<Dim> most = own + 2.0 * of_ends;  // however the ends are correlated

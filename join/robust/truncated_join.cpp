@@ -5,6 +5,7 @@
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/localmap/split.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/minimise.hpp>
@@ -29,6 +30,20 @@ constexpr double kWeakShare = 1e-9;
 constexpr double kDroppedShare = 0.5;
 /// The loss of a factor that does not count.
 constexpr Loss kDropped{0.0, 0.0};
+
+/// The median information of the edges that measure a row, row by row.
+template <int Dim>
+PoseVector<Dim> median_information(std::span<const PoseFactor<Dim>> edges) {
+  PoseVector<Dim> medians;
+  for (int row = 0; row < kPoseDof<Dim>; ++row) {
+    std::vector<double> measured;
+    for (const PoseFactor<Dim>& edge : edges) {
+      if (edge.information(row, row) > 0.0) measured.push_back(edge.information(row, row));
+    }
+    medians[row] = measured.empty() ? 0.0 : median(std::move(measured));
+  }
+  return medians;
+}
 
 }  // namespace
 
@@ -68,17 +83,14 @@ void TruncatedJoin<Dim>::find_factors() {
 }
 
 /// Fixes the gauge if nothing else does, and weakly holds what the factors that count may leave undetermined: starts of
-/// sessions, features, and directions that an edge does not measure.
+/// sessions, features, and directions that odometry does not measure.
 template <int Dim>
 void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
-  const bool is_held = !log_.graph.fixed.empty() || !log_.pose_priors().empty() || !log_.feature_priors().empty();
+  const bool is_held = log_.is_held();
   if (!is_held) log_.graph.fixed.push_back({0, start.poses.front()});
-  PoseMatrix<Dim> of_edges = PoseMatrix<Dim>::Zero();
-  for (PoseFactor<Dim>& edge : log_.graph.pose_factors) {
-    complete_weakly(edge);
-    of_edges.diagonal() += edge.information.diagonal();
-  }
-  of_edges *= kWeakShare / std::max(1.0, static_cast<double>(log_.graph.pose_factors.size()));
+  const auto odometry = static_cast<std::ptrdiff_t>(log_.odometry().size());
+  std::for_each(log_.graph.pose_factors.begin(), log_.graph.pose_factors.begin() + odometry, complete_weakly<Dim>);
+  const PoseMatrix<Dim> of_edges = kWeakShare * median_information<Dim>(log_.edges()).asDiagonal().toDenseMatrix();
   for (const Session& session : log_.sessions) {
     if (session.begin == 0 && !is_held) continue;
     log_.graph.pose_factors.push_back({kWorld, session.begin, start.poses[session.begin], of_edges, {}});
@@ -179,14 +191,24 @@ template <int Dim>
 void TruncatedJoin<Dim>::test_all(const std::stop_token& stop) {
   if (stop.stop_requested()) return;
   marginals_.emplace(system_->equations());
-  const LeaveOneOut<Dim> leave_one_out(*system_, system_->equations(), *marginals_);
+  LeaveOneOut<Dim> leave_one_out(*system_, system_->equations(), *marginals_);
   for_each_doubtful([](auto& factor, std::size_t, auto) { factor.loss = {}; });  // tests are of the measurements as they are
+  leave_one_out.solve_for_weak(counting_closures());
   parallel_chunks(counts_.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       tests_[k] =
           counts_[k] ? leave_one_out.test({factors_[k], 0, system_->rows(factors_[k])}) : leave_one_out.prediction(factors_[k]);
     }
   });
+}
+
+template <int Dim>
+std::vector<std::size_t> TruncatedJoin<Dim>::counting_closures() const {
+  std::vector<std::size_t> factors;
+  for (std::size_t k = 0; k < closure_count(); ++k) {
+    if (counts_[k]) factors.push_back(factors_[k]);
+  }
+  return factors;
 }
 
 template <int Dim>

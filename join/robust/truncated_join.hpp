@@ -69,6 +69,8 @@ class TruncatedJoin {
   std::size_t closure_count() const { return log_.closures().size(); }
   /// Drops the doubtful factors [begin, end) whose tests are beyond the threshold. True if there were any.
   bool drop_beyond(double threshold, std::size_t begin, std::size_t end);
+  /// The factors of the system that are closures, and count.
+  std::vector<std::size_t> counting_closures() const;
   std::vector<PartTest> counting_tests(std::size_t begin, std::size_t end) const;
   template <typename F>
   void for_each_doubtful(F&& f);

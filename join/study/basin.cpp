@@ -191,6 +191,7 @@ std::size_t BasinCell::hits() const {
 template <int Dim>
 Expected<Basin> basin(const Log<Dim>& log, const BasinOptions& options, const std::stop_token& stop) {
   demand_valid(options);
+  if (auto sound = check_invariants(log); !sound) return tl::unexpected(sound.error());
   std::vector<std::pair<Split, std::optional<SplitOptions>>> splits;
   for (const SplitOptions& given : options.splits) splits.emplace_back(split(log, given), given);
   return basin_along(log, splits, options, stop);

@@ -65,6 +65,7 @@ StepCounts count_steps(const Log<Dim>& log);
 std::string repeated_steps_in_words(std::size_t steps);
 
 /// Checks the structure of a log or a set of maps:
+/// - `unsound` (error): the fault that check_invariants() finds in a log, whose other checks then find nothing.
 /// - `unobserved` (error): features that are declared, but never observed.
 /// - `parts` (error): several components that nothing ties together.
 /// - `loose_body` (error), `weak_body` (warning): poses that only features tie to the others: fewer than Dim, which it takes to
@@ -81,7 +82,7 @@ template <int Dim>
 Findings check_structure(const SubmapSet<Dim>& set);
 
 /// Checks the units of headings in the plane. Finds nothing in space, where files give rotations that degrees would not pass
-/// for.
+/// for, nor in a log that is `unsound` (see check_structure()).
 /// - `degrees` (warning): relative headings beyond a full turn, more than one in a hundred; or loops of up to ten odometry
 ///   steps, closed by a closure or a feature seen again, that close far better with headings taken as degrees; or initial
 ///   headings that turn 57.3 times more, or less, than the edges; or odometry with a standard deviation of heading above a
@@ -91,7 +92,7 @@ template <int Dim>
 Findings check_units(const Log<Dim>& log);
 
 /// Checks edges between the same two poses, whatever their direction, and observations of one feature from one pose; compares
-/// each with the one before it in the log. O(n log n).
+/// each with the one before it in the log. Finds nothing in a log that is `unsound` (see check_structure()). O(n log n).
 /// - `copies` (warning): equal to the last digit, so that one measurement counts twice.
 /// - `contradiction` (warning): differing by more than the covariances allow, except once in 10⁹ times.
 /// - `repeated` (note): neither; all of them count.

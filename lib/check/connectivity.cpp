@@ -48,6 +48,9 @@ Expected<void> check_connected(const LogOrSet& tied) {
   constexpr bool kIsLog = requires {
     tied.observations();
   };
+  if constexpr (kIsLog) {
+    if (auto sound = check_invariants(tied); !sound) return sound;
+  }
   const Names names{tied.source, tied.poses, tied.features};
   const std::vector<Edge> ties = ties_of(tied);
   if (check_tied(names, ties, "")) return {};

@@ -107,6 +107,7 @@ void tell(const Repeats& repeats, const std::string& what, std::string_view of_w
 
 template <int Dim>
 Findings check_repeats(const Log<Dim>& log) {
+  if (!check_invariants(log)) return {};
   const Repeats of_poses = repeats_among(log.edges(), [&](const auto& ends) {
     return fmt::format("{} to {}", to_string(log.poses[ends.first]), to_string(log.poses[ends.second]));
   });

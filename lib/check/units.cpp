@@ -150,6 +150,7 @@ void check_uncertainty(const Log<2>& log, Findings& findings) {
 
 template <>
 Findings check_units(const Log<2>& log) {
+  if (!check_invariants(log)) return {};
   Findings findings;
   check_range(log, findings);
   check_loops(log, findings);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -28,7 +29,7 @@ template <int Dim>
 class Poses {
  public:
   Poses(const Log<Dim>& log, double most_apart)
-      : log_(log), most_apart_ns_(static_cast<std::int64_t>(1e9 * std::min(most_apart, 1e9))), steps_(log.poses.size()) {
+      : log_(log), most_apart_ns_(std::llround(1e9 * std::min(most_apart, 1e9))), steps_(log.poses.size()) {
     for (const PoseIndex p : indices(log.poses)) by_key_.emplace(log.poses[p].key, p);
     for (const PoseIndex p : indices(log.stamps_ns)) by_time_[log.poses[p].session].emplace_back(log.stamps_ns[p], p);
     for (auto& [session, poses] : by_time_) std::ranges::sort(poses);
@@ -152,7 +153,9 @@ std::vector<std::string> GpsOptions::validate() const {
 template <int Dim>
 Expected<AttachedFixes> attach_fixes(const GpsFixes& fixes, const GpsOptions& options, Log<Dim>& log) {
   demand_valid(options);
-  if (auto fit = check_numbers(fixes).and_then([&] { return check_use(fixes, log); }); !fit) return tl::unexpected(fit.error());
+  const auto fit =
+      check_numbers(fixes).and_then([&] { return check_invariants(log); }).and_then([&] { return check_use(fixes, log); });
+  if (!fit) return tl::unexpected(fit.error());
   const Poses<Dim> poses(log, options.most_apart);
   AttachedFixes attached{GeographicFrame(middle_of(fixes.fixes)), {}, 0};
   std::vector<PoseFactor<Dim>> priors;

@@ -59,9 +59,9 @@ struct AttachedFixes {
 /// antenna was if the robot moved at constant speed along the odometry between them. A fix is left out if odometry does not tie
 /// the two poses, if the nearer one is more than `most_apart` away, or if it is before the first or after the last pose. Fixed
 /// poses of the log are released, and counted as skipped: the fixes hold the map. kUsage: a log with priors, which are in
-/// another frame; fixes by time if poses have no stamps; fixes without heights in space. kBadInput: no fix is near a pose; a
-/// fix that several sessions could have made; a place or standard deviations beyond these ranges. Throws std::invalid_argument
-/// if options do not validate.
+/// another frame; fixes by time if poses have no stamps; fixes without heights in space. kBadInput: a fault that
+/// check_invariants() finds in the log; no fix is near a pose; a fix that several sessions could have made; a place or standard
+/// deviations beyond these ranges. Throws std::invalid_argument if options do not validate.
 template <int Dim>
 Expected<AttachedFixes> attach_fixes(const GpsFixes& fixes, const GpsOptions& options, Log<Dim>& log);
 

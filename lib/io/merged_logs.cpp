@@ -7,6 +7,7 @@
 #include <map>
 #include <mapjoin/io/merged_logs.hpp>
 #include <mapjoin/model/log_builder.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <optional>
 #include <utility>
 
@@ -100,6 +101,40 @@ class Ties {
   std::int64_t copies_ = 0;
 };
 
+template <int Dim>
+bool is_same(const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
+  return a.base == b.base && a.target == b.target && a.measured == b.measured && a.information == b.information &&
+         a.lever == b.lever;
+}
+template <int Dim>
+bool is_same(const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b) {
+  return a.base == b.base && a.target == b.target && a.measured == b.measured && a.information == b.information;
+}
+template <int Dim>
+bool is_same(const LocalMap<Dim>& a, const LocalMap<Dim>& b) {
+  return a.base == b.base && a.poses == b.poses && a.features == b.features && a.pose_estimates == b.pose_estimates &&
+         a.feature_estimates == b.feature_estimates && a.information.rows() == b.information.rows() &&
+         a.information == b.information;
+}
+
+template <typename Part>
+bool is_copy(const Part& a, const Part& b) {
+  const auto same = [](const auto& one, const auto& other) {
+    return std::ranges::equal(one, other, [](const auto& x, const auto& y) { return is_same(x, y); });
+  };
+  return a.poses == b.poses && a.features == b.features && same(a.graph.pose_factors, b.graph.pose_factors) &&
+         same(a.graph.feature_factors, b.graph.feature_factors) && same(a.graph.submaps, b.graph.submaps);
+}
+
+/// True if there are more measurements than it takes to place all poses and features relative to the first: two robots hardly
+/// agree in what is then redundant.
+template <typename Part>
+bool is_redundant(const Part& part) {
+  std::size_t measured = part.graph.pose_factors.size() + part.graph.feature_factors.size();
+  for (const auto& map : part.graph.submaps) measured += map.poses.size() + map.features.size();
+  return measured >= part.poses.size() + part.features.size();
+}
+
 /// Releases the fixed poses of every log behind the first that fixes any; the number of released poses.
 template <int Dim>
 std::int64_t release_later(std::vector<Log<Dim>>& logs) {
@@ -140,6 +175,19 @@ Expected<Conventions> common_conventions(const std::vector<NamedConventions>& al
   return common;
 }
 
+template <typename Part>
+Expected<void> check_no_copies(const std::vector<Part>& parts, const std::string& advice) {
+  for (auto part = parts.begin(); part != parts.end(); ++part) {
+    const auto other = std::find_if(parts.begin(), part, [&](const Part& before) { return is_copy(before, *part); });
+    if (other == part || !is_redundant(*part)) continue;
+    return tl::unexpected(
+        Error{ErrorKind::kUsage, fmt::format("{} has the same poses, features and measurements as {}, number by number, "
+                                             "which would count twice: {}",
+                                             part->source, other->source, advice)});
+  }
+  return {};
+}
+
 Expected<std::uint64_t> step_apart(std::uint64_t largest, std::size_t parts) {
   std::uint64_t step = 1;
   const std::uint64_t most = std::numeric_limits<std::uint64_t>::max() / parts;
@@ -168,7 +216,7 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
     if (auto taken = ties.take(k, options.keep_copies); !taken) return tl::unexpected(taken.error());
     sources.push_back(logs[k].source);
   }
-  LogBuilder<Dim> builder(fmt::format("{}", fmt::join(sources, " + ")), *conventions, Numbers::kChecked);
+  LogBuilder<Dim> builder(fmt::format("{}", fmt::join(sources, " + ")), without_repairs(*conventions), Numbers::kChecked);
   for (std::size_t k = 0; k < logs.size(); ++k) builder.append(logs[k], first[k]);
   for (const NamedEdge<Dim>& edge : ties.edges()) {
     builder.add_pose_edge(edge.base, edge.target, edge.measured, edge.information);
@@ -179,7 +227,12 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
   return std::move(builder).finish();
 }
 
-template Expected<Log<2>> merged(std::vector<Log<2>>, const MergeOptions&);
-template Expected<Log<3>> merged(std::vector<Log<3>>, const MergeOptions&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                                   \
+  template Expected<void> check_no_copies(const std::vector<Log<Dim>>&, const std::string&);       \
+  template Expected<void> check_no_copies(const std::vector<SubmapSet<Dim>>&, const std::string&); \
+  template Expected<Log<Dim>> merged(std::vector<Log<Dim>>, const MergeOptions&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin

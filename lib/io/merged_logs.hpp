@@ -14,7 +14,9 @@
 namespace mapjoin {
 
 struct MergeOptions {
-  bool keep_copies = false;   ///< Counts an edge to another log's pose twice if it stands in both logs, number by number.
+  /// Counts twice what is there twice, number by number: an edge to another log's pose that stands in both logs, and a log or a
+  /// set of maps that is a copy of another (see check_no_copies()).
+  bool keep_copies = false;
   bool own_features = false;  ///< Keeps features of the same name in different logs apart.
 };
 
@@ -44,6 +46,12 @@ struct NamedConventions {
 /// inside, to which all were turned. Bad input if some have the identity for weights and others do not: their chi2 together
 /// would mean nothing.
 Expected<Conventions> common_conventions(const std::vector<NamedConventions>& all);
+
+/// kUsage, with `advice`, if one of several logs or sets of maps is a copy of another: it has the same names of poses and
+/// features and the same factors and maps, to the last bit, as no two noisy ones have, and so many that something is
+/// measured more than once. Values, time stamps and fixed poses may differ.
+template <typename Part>
+Expected<void> check_no_copies(const std::vector<Part>& parts, const std::string& advice);
 
 /// The least power of ten above `largest`; kUsage if `parts` times that does not fit into an id.
 Expected<std::uint64_t> step_apart(std::uint64_t largest, std::size_t parts);

@@ -12,6 +12,9 @@
 namespace mapjoin {
 namespace {
 
+/// The advice where a store or a set of maps is a copy of another.
+constexpr const char* kLeaveOneOut = "leave one out";
+
 /// The indices of one part's poses and features in the whole: poses in their order, features by their names.
 struct Renumbering {
   PoseIndex first_pose = 0;
@@ -52,6 +55,7 @@ template <int Dim>
 Expected<void> add_part(StoredMaps<Dim>& whole, StoredMaps<Dim> part) {
   if (auto alike = check_cut_alike(whole.segments, part.segments, whole.log.source); !alike) return alike;
   whole.share = {};
+  whole.features_are_shared |= part.features_are_shared;
   std::vector<LocalMap<Dim>> maps;
   auto known = whole.maps.begin();
   auto added = part.maps.begin();
@@ -113,12 +117,11 @@ Expected<std::vector<StoredMaps<Dim>>> whole_logs(std::vector<StoredMaps<Dim>> s
   return logs;
 }
 
-/// The stores that hold a share of the local maps of their log, by log.
+/// The stores by log.
 template <int Dim>
-std::vector<std::vector<std::size_t>> shares_by_log(const std::vector<StoredMaps<Dim>>& stores) {
+std::vector<std::vector<std::size_t>> stores_by_log(const std::vector<StoredMaps<Dim>>& stores) {
   std::vector<std::vector<std::size_t>> logs;
   for (std::size_t k = 0; k < stores.size(); ++k) {
-    if (stores[k].share.is_whole()) continue;
     const auto same = std::ranges::find_if(
         logs, [&](const auto& known) { return store::is_same_log(stores[known.front()].log, stores[k].log); });
     (same == logs.end() ? logs.emplace_back() : *same).push_back(k);
@@ -126,16 +129,18 @@ std::vector<std::vector<std::size_t>> shares_by_log(const std::vector<StoredMaps
   return logs;
 }
 
-/// Bad input if there are shares of several logs, and not all of each: parts of one log that was built in two ways would be
-/// taken for two robots.
+/// Bad input if there are some of the shares of one log, not all, and stores of another: stores of one log that was built in
+/// two ways would be taken for two robots.
 template <int Dim>
 Expected<void> check_shares(const std::vector<StoredMaps<Dim>>& stores, const std::vector<std::filesystem::path>& paths) {
-  const auto logs = shares_by_log(stores);
+  const auto is_whole = [&](std::size_t k) { return stores[k].share.is_whole(); };
+  if (std::ranges::all_of(stores, [](const StoredMaps<Dim>& store) { return store.share.is_whole(); })) return {};
+  const auto logs = stores_by_log(stores);
   const auto has_all = [&](const std::vector<std::size_t>& log) {
     Share next{0, stores[log.front()].share.count};
     const auto is_next = [&](std::size_t k) { return stores[k].share == next; };
     while (next.index < next.count && std::ranges::any_of(log, is_next)) ++next.index;
-    return next.index == next.count;
+    return next.index == next.count || std::ranges::any_of(log, is_whole);
   };
   const auto some = std::ranges::find_if_not(logs, has_all);
   if (logs.size() < 2 || some == logs.end()) return {};
@@ -167,6 +172,9 @@ template <int Dim>
 Expected<AnyMaps> merged_sessions(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
   std::vector<Log<Dim>> logs;
   for (const StoredMaps<Dim>& store : stores) logs.push_back(store.log);
+  if (auto once = options.keep_copies ? Expected<void>() : check_no_copies(logs, kLeaveOneOut); !once) {
+    return tl::unexpected(once.error());
+  }
   if (auto apart = options.own_features ? number_features_apart(logs) : Expected<void>(); !apart) {
     return tl::unexpected(apart.error());
   }
@@ -205,6 +213,9 @@ Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const std::ve
 
 template <int Dim>
 Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const Conventions& conventions, const MergeOptions& options) {
+  if (auto once = options.keep_copies ? Expected<void>() : check_no_copies(sets, kLeaveOneOut); !once) {
+    return tl::unexpected(once.error());
+  }
   if (auto apart = options.own_features ? number_features_apart(sets) : Expected<void>(); !apart) {
     return tl::unexpected(apart.error());
   }

@@ -18,7 +18,8 @@ namespace mapjoin {
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// The logs of several files as one (see merged()): in a file with vertices, edges to poses that it does not declare refer to
-/// poses of another file, unless `options` leave them out. Bad input, too, if some are in the plane and others in space.
+/// poses of another file, unless `options` leave them out. Bad input, too, if some are in the plane and others in space; kUsage
+/// if one is a copy of another (see check_no_copies()), unless `merging` keeps copies.
 Expected<AnyLog> open_logs(const std::vector<std::filesystem::path>& paths, ReadOptions options = {},
                            const MergeOptions& merging = {});
 
@@ -40,7 +41,8 @@ Expected<AnyMaps> open_maps_or_portion(const std::filesystem::path& path, const 
 /// by shared features. Stores of one log are parts of its maps; segments that no part has as a map are joined as observed. The
 /// log in a store and its maps have every feature that was seen, so that the join is that of one log. Portions of a log are put
 /// together; all of them must be given. Bad input: stores beside sets, whatever open_maps() refuses, different dimensions or
-/// weights, parts that are cut in different ways, and some of the parts of several logs.
+/// weights, parts that are cut in different ways, and some of the parts of one log beside stores of another. kUsage if one is a
+/// copy of another (see check_no_copies()), unless `merging` keeps copies; equal stores of a log are parts of it.
 Expected<AnyMaps> open_several_maps(const std::vector<std::filesystem::path>& paths, const ReadOptions& options = {},
                                     const MergeOptions& merging = {});
 

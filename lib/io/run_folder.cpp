@@ -3,6 +3,7 @@
 #include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
 #include <mapjoin/io/local_maps/local_map_file.hpp>
 #include <mapjoin/io/run_folder.hpp>
@@ -23,23 +24,16 @@ bool has_local_maps(const fs::path& folder) {
   return false;
 }
 
-/// The names, positions and stamps of poses, and the names and positions of features, in the tables of a run.
+/// The poses and features in the tables of a run.
 template <int Dim>
 Expected<GlobalMap<Dim>> read_tables(const fs::path& poses, const fs::path& features) {
-  GlobalMap<Dim> told;
-  const auto take_pose = [&](const std::vector<std::string>& columns, TextScanner& row) {
-    const std::uint32_t session = has_column(columns, "session") ? read_session(row) : 0;
-    told.pose_ids.push_back({session, row.key()});
-    told.poses.push_back({row.vector<Dim>(), {}});
-    for (int angle = 0; angle < (Dim == 2 ? 1 : 4); ++angle) row.word();
-    if (has_column(columns, "stamp_ns")) told.stamps_ns.push_back(row.integer());
-  };
-  const auto take_feature = [&](const std::vector<std::string>&, TextScanner& row) {
-    told.feature_ids.push_back({row.key()});
-    told.features.push_back(row.vector<Dim>());
-  };
-  return each_row(poses, take_pose).and_then([&] { return each_row(features, take_feature); }).map([&] {
-    return std::move(told);
+  const auto read_poses = [&](const FileBytes& bytes) { return read_pose_table<Dim>(bytes.view(), poses.string()); };
+  return FileBytes::read(poses).and_then(read_poses).and_then([&](GlobalMap<Dim> told) {
+    const auto take_feature = [&](const std::vector<std::string>&, TextScanner& row) {
+      told.feature_ids.push_back({row.key()});
+      told.features.push_back(row.vector<Dim>());
+    };
+    return each_row(features, take_feature).map([&] { return std::move(told); });
   });
 }
 
@@ -111,7 +105,7 @@ Expected<Log<Dim>> with_names(const GlobalMap<Dim>& told, Log<Dim> log, const fs
       rename(told.pose_ids, told.poses, of_g2o, log.initial.poses, of_pose, log.poses) &&
       (log.features.empty() || rename(told.feature_ids, told.features, of_g2o, log.initial.features, of_feature, log.features));
   if (!are_of_map) return not_of_map_beside(file);
-  LogBuilder<Dim> builder(log.source, log.conventions, Numbers::kChecked);
+  LogBuilder<Dim> builder(log.source, without_repairs(log.conventions), Numbers::kChecked);
   builder.append(log);
   return std::move(builder).finish(told.pose_ids).map([&](Log<Dim>&& named) {
     named.foreign = std::move(log.foreign);

@@ -59,8 +59,7 @@ std::int64_t degrees_of_freedom(const Log<Dim>& log, std::size_t held_poses) {
 
 template <int Dim>
 std::int64_t degrees_of_freedom(const Log<Dim>& log) {
-  const bool is_held = !log.graph.fixed.empty() || !log.pose_priors().empty() || !log.feature_priors().empty();
-  return degrees_of_freedom(log, is_held ? log.graph.fixed.size() : 1);
+  return degrees_of_freedom(log, log.is_held() ? log.graph.fixed.size() : 1);
 }
 
 template Chi2 log_chi2(const Log<2>&, const Values<2>&);

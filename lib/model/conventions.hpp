@@ -62,4 +62,10 @@ struct Conventions {
   MatrixRepairs repairs = {};
 };
 
+/// The conventions of a log without its repairs, for what takes these from the log itself.
+inline Conventions without_repairs(Conventions conventions) {
+  conventions.repairs = {};
+  return conventions;
+}
+
 }  // namespace mapjoin

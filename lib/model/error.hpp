@@ -48,6 +48,11 @@ void demand_valid(const Options& options) {
   if (!violations.empty()) throw std::invalid_argument(violations.front());
 }
 
+/// Throws std::invalid_argument with the fault that a check has found, if any: a precondition broken by the caller.
+inline void demand_sound(const Expected<void>& checked) {
+  if (!checked) throw std::invalid_argument(checked.error().message);
+}
+
 /// A count with its noun, "1 edge" or "2 edges"; `things` is the plural if it is not `thing` and an s ("2 matrices").
 template <std::integral Count>
 std::string plural(Count count, const std::string& thing, const std::string& things = "") {

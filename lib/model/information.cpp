@@ -9,8 +9,12 @@
 namespace mapjoin {
 namespace {
 
-/// Round-off, relative to the largest entry or eigenvalue: above that of a factorisation, below any deliberate figure.
+/// Round-off, relative to the largest entry, eigenvalue or diagonal entry of a row: above that of a factorisation, below any
+/// deliberate figure.
 constexpr double kRoundOff = 1e-9;
+/// Round-off, relative to the largest entry, that turning, marginalising or repairing a matrix leaves in rows of much smaller
+/// entries, such as those that are not measured.
+constexpr double kLeastRoundOff = 1e-13;
 /// The asymmetry, relative to the largest entry, that a filter's covariance update leaves after thousands of steps.
 constexpr double kMostAsymmetry = 1e-6;
 
@@ -18,6 +22,16 @@ constexpr double kMostAsymmetry = 1e-6;
 template <int Size>
 Matrix<Size> symmetric_part(const Matrix<Size>& M) {
   return 0.5 * M + 0.5 * M.transpose();
+}
+
+/// True if W is positive semidefinite up to round-off: definite with every diagonal entry raised by 1e-9 of itself and 1e-13 of
+/// the largest entry, so that metres and radians weigh alike.
+template <int Size>
+bool is_semidefinite(const Matrix<Size>& W) {
+  if (W.isZero(0.0)) return true;
+  Matrix<Size> raised = W;
+  raised.diagonal().array() += kRoundOff * W.diagonal().array().max(0.0) + kLeastRoundOff * W.cwiseAbs().maxCoeff();
+  return Eigen::LLT<Matrix<Size>>(raised).info() == Eigen::Success;
 }
 
 /// The eigensolver, of dynamic size: one unrolled for each size takes long to compile, and few matrices need it.
@@ -76,14 +90,11 @@ template <int Size>
 std::optional<std::string> InformationCheck::fault(Matrix<Size>& W) {
   if (W.size() == 0) return std::nullopt;
   if (const auto fault = make_symmetric<Size>(W)) return fault;
-  if (Eigen::LLT<Matrix<Size>>(W).info() == Eigen::Success) return std::nullopt;
-
-  const EigenSolver eigen(W, Eigen::EigenvaluesOnly);
-  const double smallest = eigen.eigenvalues()[0];
-  const double largest = eigen.eigenvalues()[W.rows() - 1];
-  if (smallest >= -kRoundOff * largest) return std::nullopt;
+  if (is_semidefinite<Size>(W)) return std::nullopt;
   if (!repair_) {
-    return refusal(fmt::format("is indefinite (eigenvalues from {:.6g} to {:.6g})", smallest, largest),
+    const EigenSolver eigen(W, Eigen::EigenvaluesOnly);
+    return refusal(fmt::format("is indefinite (eigenvalues from {:.6g} to {:.6g})", eigen.eigenvalues()[0],
+                               eigen.eigenvalues()[W.rows() - 1]),
                    "the nearest semidefinite one");
   }
   W = lifted(W, 0.0);

@@ -27,8 +27,9 @@ class InformationCheck {
   explicit InformationCheck(bool repair) : repair_(repair), offer_(!repair) {}
 
   /// The fault of an information matrix, "is not finite", "is not symmetric …" or "is indefinite …"; nullopt if it is valid.
-  /// Eigenvalues down to -1e-9 of the largest count as round-off and are left alone. A repaired W is the nearest semidefinite
-  /// matrix (in Frobenius norm: eigenvalues clipped at zero). One Cholesky factorisation suffices for most; O(Size³).
+  /// Round-off passes unchanged: what is definite once each diagonal entry is raised by 1e-9 of itself and 1e-13 of the largest
+  /// entry, whatever the units of the rows. A repaired W is the nearest semidefinite matrix (in Frobenius norm: eigenvalues
+  /// clipped at zero). One Cholesky factorisation; O(Size³).
   template <int Size>
   std::optional<std::string> fault(Matrix<Size>& W);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/repeated_edges.hpp>
@@ -33,22 +35,21 @@ bool is_odometry(const PoseFactor<Dim>& edge, const PoseIds& poses) {
   return !is_prior(edge) && second == first + 1 && poses[first].session == poses[second].session;
 }
 
-/// Odometry by its later pose, then closures, then priors.
+/// The place of a factor in the order of a log: odometry by its later pose, then closures, then priors.
 template <int Dim>
-void sort_pose_factors(Log<Dim>& log) {
-  const std::size_t poses = log.poses.size();
-  const auto key = [&](const PoseFactor<Dim>& edge) {
-    return is_prior(edge) ? poses + 1 : is_odometry(edge, log.poses) ? later_pose(edge).position() : poses;
-  };
-  log.graph.pose_factors = sorted_by(key, poses + 2, std::move(log.graph.pose_factors));
+std::size_t place_of(const PoseFactor<Dim>& factor, const PoseIds& poses) {
+  if (is_prior(factor)) return poses.size() + 1;
+  return is_odometry(factor, poses) ? later_pose(factor).position() : poses.size();
+}
+/// The place of a factor in the order of a log: observations by their pose, then priors.
+template <int Dim>
+std::size_t place_of(const FeatureFactor<Dim>& factor, const PoseIds& poses) {
+  return is_prior(factor) ? poses.size() : factor.base.position();
 }
 
-/// Observations by their pose, then priors.
-template <int Dim>
-void sort_feature_factors(Log<Dim>& log) {
-  const std::size_t poses = log.poses.size();
-  const auto key = [&](const FeatureFactor<Dim>& o) { return is_prior(o) ? poses : o.base.position(); };
-  log.graph.feature_factors = sorted_by(key, poses + 1, std::move(log.graph.feature_factors));
+template <typename Factor>
+void sort_factors(std::vector<Factor>& factors, const PoseIds& poses) {
+  factors = sorted_by([&](const Factor& o) { return place_of(o, poses); }, poses.size() + 2, std::move(factors));
 }
 
 /// The factors whose base is the World, which stand last.
@@ -71,6 +72,62 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
     sessions.back().end = pose + 1;
   }
   return sessions;
+}
+
+/// The name of a pose or feature; its index if there is none.
+template <typename Index, typename Id>
+std::string name_of(const Table<Index, Id>& names, Index index) {
+  return indices(names).contains(index) ? to_string(names[index]) : fmt::format("index {}", index.value);
+}
+
+template <typename Factor, typename Targets>
+Expected<void> check_factors(const char* kind, const std::vector<Factor>& factors, const PoseIds& poses,
+                             const Targets& targets) {
+  std::size_t place = 0;
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    const Factor& o = factors[k];
+    const auto wrong = [&](const char* why) {
+      return bad_input(fmt::format("{} {}, from {} to {}, {}", kind, k, is_prior(o) ? "the World" : name_of(poses, o.base),
+                                   name_of(targets, o.target), why));
+    };
+    const bool is_there = (is_prior(o) || indices(poses).contains(o.base)) && indices(targets).contains(o.target);
+    if (!is_there) return wrong("names a pose or feature that the log does not have");
+    if constexpr (requires { o.base == o.target; }) {
+      if (o.base == o.target) return wrong("leads from a pose to itself");
+    }
+    const std::size_t before = std::exchange(place, place_of(o, poses));
+    if (place < before) return wrong("is out of order: put_in_order() sorts the factors");
+  }
+  return {};
+}
+
+template <int Dim>
+Expected<void> check_fixed(const std::vector<FixedPose<Dim>>& fixed, const PoseIds& poses) {
+  PoseIndex before = kWorld;
+  for (const auto& [pose, value] : fixed) {
+    if (!indices(poses).contains(pose)) return bad_input(name_of(poses, pose) + " is fixed, but the log has no such pose");
+    if (pose == before) return bad_input(name_of(poses, pose) + " is fixed twice");
+    if (pose < before) return bad_input("its fixed poses are out of order: put_in_order() sorts them");
+    before = pose;
+  }
+  return {};
+}
+
+Expected<void> check_sessions(const std::vector<Session>& sessions, const PoseIds& poses) {
+  PoseIndex next = 0;
+  for (const Session& session : sessions) {
+    if (session.begin != next || session.end <= session.begin) break;
+    next = session.end;
+  }
+  if (next == indices(poses).last) return {};
+  return bad_input("its sessions do not hold every pose once, in order: put_in_order() finds them");
+}
+
+/// Bad input unless values are given of all things or of none.
+template <typename Values, typename Names>
+Expected<void> check_given(const char* kind, const Values& values, const Names& names) {
+  if (values.empty() || values.size() == names.size()) return {};
+  return bad_input(fmt::format("it has {} {} for {}", values.size(), kind, names.size()));
 }
 
 }  // namespace
@@ -108,16 +165,40 @@ std::span<const FeatureFactor<Dim>> Log<Dim>::feature_priors() const {
 }
 
 template <int Dim>
+bool Log<Dim>::is_held() const {
+  return !graph.fixed.empty() || !pose_priors().empty() || !feature_priors().empty();
+}
+
+template <int Dim>
 void put_in_order(Log<Dim>& log) {
-  sort_pose_factors(log);
-  sort_feature_factors(log);
+  sort_factors(log.graph.pose_factors, log.poses);
+  sort_factors(log.graph.feature_factors, log.poses);
+  std::ranges::stable_sort(log.graph.fixed, {}, &FixedPose<Dim>::pose);
   log.repeated_edges = count_repeated(log.edges());
   log.sessions = sessions_of(log);
+}
+
+template <int Dim>
+Expected<void> check_invariants(const Log<Dim>& log) {
+  if (log.poses.empty()) return bad_input_of(log.source, "there are no poses");
+  const auto checked =
+      check_factors("pose factor", log.graph.pose_factors, log.poses, log.poses)
+          .and_then([&] { return check_factors("feature factor", log.graph.feature_factors, log.poses, log.features); })
+          .and_then([&] { return check_fixed(log.graph.fixed, log.poses); })
+          .and_then([&] { return check_sessions(log.sessions, log.poses); })
+          .and_then([&] { return check_given("time stamps of poses", log.stamps_ns, log.poses); })
+          .and_then([&] { return check_given("initial values of poses", log.initial.poses, log.poses); })
+          .and_then([&] { return check_given("initial values of features", log.initial.features, log.features); });
+  if (!checked) return bad_input_of(log.source, checked.error().message);
+  if (!log.graph.submaps.empty()) return bad_input_of(log.source, "a log has no local maps: a SubmapSet has");
+  return {};
 }
 
 template struct Log<2>;
 template struct Log<3>;
 template void put_in_order(Log<2>&);
 template void put_in_order(Log<3>&);
+template Expected<void> check_invariants(const Log<2>&);
+template Expected<void> check_invariants(const Log<3>&);
 
 }  // namespace mapjoin

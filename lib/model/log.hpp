@@ -36,7 +36,7 @@ struct NamedEdge {
 };
 
 /// A log over `poses.size()` poses and `features.size()` features, made by LogBuilder, which establishes the invariants stated
-/// here.
+/// here (see check_invariants()).
 template <int Dim>
 struct Log {
   std::string source;  ///< The file it was read from, for messages.
@@ -69,6 +69,8 @@ struct Log {
   /// Observations of features, in the order of their pose, then of the file.
   std::span<const FeatureFactor<Dim>> observations() const;
   std::span<const FeatureFactor<Dim>> feature_priors() const;
+  /// True if fixed poses or priors hold the log in the World.
+  bool is_held() const;
 };
 
 /// The log of a file, in the dimension that the file has.
@@ -78,6 +80,12 @@ using AnyLog = std::variant<Log<2>, Log<3>>;
 /// counts repeated edges, finds the sessions. O(n log n).
 template <int Dim>
 void put_in_order(Log<Dim>& log);
+
+/// Checks a log that was made or changed without LogBuilder. kBadInput unless there are poses; factors and fixed poses are of
+/// poses and features of the log and in order, factors between two different ones; sessions hold every pose once, in order;
+/// stamps and initial values are of all or of none; and there are no local maps. Numbers are not checked. O(n).
+template <int Dim>
+Expected<void> check_invariants(const Log<Dim>& log);
 
 /// Puts the poses, which are in the order of their ids, in driving order, within each of the user's sessions. If edges tie half
 /// of the poses or more to the one before, that is the order in which edges first name the poses, provided that it leaves at

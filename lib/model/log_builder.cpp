@@ -118,6 +118,7 @@ void LogBuilder<Dim>::append(const Log<Dim>& log, std::uint32_t first_session) {
   for (const auto& fixed : log.graph.fixed) fix(pose(fixed.pose), fixed.value);
   add_unassociated(log.unassociated);
   for (const auto& [what, count] : log.skipped) add_skipped(what, count);
+  add_repairs(log.conventions.repairs);
 }
 
 template <int Dim>
@@ -148,6 +149,7 @@ LeftOut<Dim> LogBuilder<Dim>::take_undeclared() {
     }
   });
   split(features_, has_feature, [&](const auto&...) { ++out.others; });
+  std::erase_if(stamps_, [&](const auto& said) { return !has_pose(said.id); });
   return out;
 }
 

@@ -68,10 +68,11 @@ class LogBuilder {
   void add_repairs(const MatrixRepairs& repairs) { log_.conventions.repairs += repairs; }
   /// Appends the input of another builder, as if it were added next.
   void append(const LogBuilder& other);
-  /// Appends a log without its foreign edges, its session n as session `first_session` + n. Throws std::out_of_range if a
-  /// factor refers to what the log does not have, or its sessions go beyond 2^32.
+  /// Appends a log without its foreign edges, its session n as session `first_session` + n, and adds its repairs to those in
+  /// the builder's conventions (see without_repairs()). Throws std::out_of_range if a factor refers to what the log does not
+  /// have, or its sessions go beyond 2^32.
   void append(const Log<Dim>& log, std::uint32_t first_session = 0);
-  /// Removes poses and features without an initial value, and returns the factors that refer to them.
+  /// Removes poses and features without an initial value, with their time stamps, and returns the factors that refer to them.
   LeftOut<Dim> take_undeclared();
 
   /// Adds odometry or a closure; finish() decides which it is.

@@ -22,6 +22,8 @@ struct SubmapSet {
   FactorGraph<Dim> graph;
   std::vector<Segment> segments;
   Conventions conventions;
+  /// True if the user said that features of the same id are the same in the several inputs that it was stored from.
+  bool features_are_shared = false;
 };
 
 /// Checks a set made in memory. kBadInput unless it names its poses and features once each, its maps and observations refer to

@@ -132,10 +132,21 @@ Eigen::MatrixXd InverseSubset::block(std::span<const std::int64_t> columns) cons
   return block;
 }
 
+Marginals::Marginals(const NormalEquations& equations, const InverseSubset::GoOn& go_on)
+    : subset_(equations.supernodes(), go_on) {
+  columns_.reserve(equations.variables().size());
+  for (const Variable v : equations.variables()) columns_.push_back({equations.factor_column(v), equations.dof(v)});
+}
+
+std::int64_t Marginals::bytes(const NormalEquations& equations) {
+  return InverseSubset::bytes(equations.supernodes()) +
+         static_cast<std::int64_t>(equations.variables().size() * sizeof(Columns));
+}
+
 Eigen::MatrixXd Marginals::joint(std::span<const Variable> variables) const {
   std::vector<std::int64_t> columns;
   for (const Variable v : variables) {
-    for (int i = 0; i < equations_->dof(v); ++i) columns.push_back(equations_->factor_column(v) + i);
+    for (std::int64_t i = 0; i < columns_[v].count; ++i) columns.push_back(columns_[v].first + i);
   }
   return subset_.block(columns);
 }

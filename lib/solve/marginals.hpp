@@ -66,12 +66,11 @@ class InverseSubset {
 /// The blocks of H⁻¹ on the pattern of the factor: every variable, and every pair that one observation ties together.
 class Marginals {
  public:
-  /// Uses the last factorisation; `equations` must outlive the marginals. See InverseSubset for memory and `go_on`.
-  explicit Marginals(const NormalEquations& equations, const InverseSubset::GoOn& go_on = nullptr)
-      : equations_(&equations), subset_(equations.supernodes(), go_on) {}
+  /// Uses the last factorisation; `equations` may go afterwards. See InverseSubset for memory and `go_on`.
+  explicit Marginals(const NormalEquations& equations, const InverseSubset::GoOn& go_on = nullptr);
 
   /// The memory that the constructor needs (bytes).
-  static std::int64_t bytes(const NormalEquations& equations) { return InverseSubset::bytes(equations.supernodes()); }
+  static std::int64_t bytes(const NormalEquations& equations);
 
   /// The joint covariance of variables, in the order given. Throws std::out_of_range unless every two of them are in the
   /// pattern.
@@ -79,7 +78,13 @@ class Marginals {
   Eigen::MatrixXd operator[](Variable variable) const { return joint({&variable, 1}); }
 
  private:
-  const NormalEquations* equations_;
+  /// The columns of a variable in the factor.
+  struct Columns {
+    std::int64_t first;
+    std::int64_t count;
+  };
+
+  Table<Variable, Columns> columns_;
   InverseSubset subset_;
 };
 

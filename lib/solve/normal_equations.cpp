@@ -175,9 +175,8 @@ Eigen::MatrixXd NormalEquations::null_space(std::size_t most_count) const {
   if (size() == 0) return {};
   SparseCholesky cholesky;
   cholesky.analyse(matrix());
-  auto singular = cholesky.factorise(matrix());
-  singular.resize(std::min(singular.size(), most_count));
-  return to_variables(cholesky.null_space(singular));
+  cholesky.factorise(matrix());
+  return to_variables(cholesky.null_space(most_count));
 }
 
 Eigen::MatrixXd NormalEquations::solve_columns(const Eigen::MatrixXd& B) const {

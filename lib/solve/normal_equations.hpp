@@ -135,6 +135,9 @@ class NormalEquations {
   std::int64_t factor_bytes() const { return solver_->bytes(); }
   /// The column of L at which a variable begins.
   std::int64_t factor_column(Variable v) const { return matrix().offsets[elimination_.column[v]]; }
+  /// Rows over the variables, taken to elimination order, and back.
+  Eigen::MatrixXd to_columns(const Eigen::MatrixXd& rows) const;
+  Eigen::MatrixXd to_variables(const Eigen::MatrixXd& rows) const;
 
  private:
   /// A part of the factors: those whose first column is one of the part's own.
@@ -144,9 +147,6 @@ class NormalEquations {
   };
   void find_value_offsets();
   void share_out_factors();
-  /// Rows over the variables, taken to elimination order, and back.
-  Eigen::MatrixXd to_columns(const Eigen::MatrixXd& rows) const;
-  Eigen::MatrixXd to_variables(const Eigen::MatrixXd& rows) const;
 
   BlockPattern pattern_;
   Elimination elimination_;  ///< Its matrix is H.

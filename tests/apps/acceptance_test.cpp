@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the command must reach on the public data sets: the least chi2 there is, known beforehand from other programs.
+// The least chi2 on the public data sets, known from other programs, which the command must reach.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(OnThePapersLogs, JoiningItself,
                                            PaperLog{"dlr", "dlr/corrected_data_circles.mat", 27688.555566}),
                          [](const auto& info) { return info.param.name; });
 
-/// Logs whose optimum Ceres confirms elsewhere: here, that the command reaches an end at all.
+/// Logs whose optimum is checked against Ceres in tests/join; here the command must converge.
 class PublicLog : public ::testing::TestWithParam<Case> {};
 
 TEST_P(PublicLog, IsMapped) {

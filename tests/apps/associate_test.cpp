@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `--associate`: what it writes and says, and what it does not go with.
+// The option --associate: what it writes and says, and what it does not go with.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ struct Explained {
   std::size_t alternatives = 0;
 };
 
-/// Of an associations.csv, what was found to be of a feature that was there before.
+/// The lines of an associations.csv for sightings of features that were seen before.
 std::vector<Explained> explained(const std::string& csv) {
   std::vector<Explained> found;
   std::istringstream lines(csv);
@@ -54,7 +54,9 @@ TEST_F(AssociateCommandTest, FindsTheFeaturesOfTheBundledLogAndExplainsEachSight
   const std::string lines = content_of(folder.path() / "result" / "associations.csv");
   EXPECT_THAT(lines, StartsWith("base,feature,joined,distance,gate,alternatives,base_session\n"));
   EXPECT_EQ(std::ranges::count(lines, '\n'), 2525);
-  for (const auto& [distance, gate, alternatives] : explained(lines)) {
+  const std::vector<Explained> found = explained(lines);
+  ASSERT_FALSE(found.empty());
+  for (const auto& [distance, gate, alternatives] : found) {
     EXPECT_GT(distance, 0.0);
     EXPECT_LE(distance, gate);
     EXPECT_LT(alternatives, 164U);
@@ -69,7 +71,7 @@ TEST_F(AssociateCommandTest, WritesTheSameWithAnyNumberOfJobs) {
   EXPECT_EQ(content_of(file("1.g2o")), content_of(file("2.g2o")));
 }
 
-/// The feature that is as far from the last one as a feature is from the first.
+/// The feature that is as far from the last index as `feature` is from the first.
 FeatureIndex opposite(const Log<2>& log, FeatureIndex feature) {
   return FeatureIndex(log.features.size() - 1 - feature.position());
 }

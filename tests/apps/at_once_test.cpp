@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several processes at the same outputs, or at the same input, at once.
+// Several processes that write the same outputs at once, and inputs that change while they are read.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

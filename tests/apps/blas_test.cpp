@@ -21,7 +21,7 @@ class UnderALimit : public ::testing::TestWithParam<std::size_t ProcessOptions::
     GTEST_SKIP() << "Sanitizers need memory of their own.";
 #endif
   }
-  /// Without a buffer for the BLAS it would spin for ever.
+  /// Calls the command with so much memory and a minute of CPU: without a buffer the BLAS would spin for ever.
   static Ended call(std::vector<std::string> words, std::size_t kilobytes) {
     ProcessOptions options;
     options.*GetParam() = kilobytes << 10;
@@ -35,11 +35,11 @@ class UnderALimit : public ::testing::TestWithParam<std::size_t ProcessOptions::
   static void expect_refusal(const Ended& ended, const std::string& words) {
     EXPECT_EQ(ended.exit_code, 6) << ended.err;
     EXPECT_THAT(ended.err, HasSubstr(words));
-    // The command's one sentence comes last; METIS may have said before what it could not have.
+    // The one sentence of the command comes last; METIS may have told before what memory it lacked.
     EXPECT_EQ(ended.err.rfind("mapjoin: "), ended.err.find("mapjoin: ")) << ended.err;
     EXPECT_EQ(ended.err.find('\n', ended.err.rfind("mapjoin: ")), ended.err.size() - 1) << ended.err;
   }
-  /// What the command says it needs to begin with (kB).
+  /// The memory that the command says it needs to begin with (kB); 0 if it says none.
   static std::size_t needed() {
     constexpr std::size_t kTooLittle = 140000;
     const Ended refused = call({"--version"}, kTooLittle);
@@ -55,7 +55,7 @@ class UnderALimit : public ::testing::TestWithParam<std::size_t ProcessOptions::
 TEST_P(UnderALimit, ThatIsTooLowForTheThreadsTheCommandSaysWhatWillDo) {
   const auto log = folder.file("log.g2o", kSmallLog);
   const std::size_t enough = needed();
-  constexpr std::size_t kFewPages = 256;  // kB: two processes differ by where their libraries and stacks lie
+  constexpr std::size_t kFewPages = 256;  // kB by which two processes differ, for their libraries and stacks lie elsewhere
   expect_refusal(call({"run", log.string()}, enough - kFewPages), "kB are needed to begin with");
   const Ended ended = call({"run", log.string(), "--jobs", "2"}, enough + kFewPages);
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Size, UnderALimit,
                          ::testing::Values(&ProcessOptions::memory_bytes, &ProcessOptions::address_space_bytes),
                          [](const auto& limit) { return limit.index == 0 ? "OfData" : "OfAddressSpace"; });
 
-/// While a log is followed there are the main thread and the one that waits for signals.
+/// The only threads while a log is followed are the main thread and the one that waits for signals.
 TEST(Blas, HasNoThreadsOfItsOwnInTheCommand) {
   const TemporaryFolder folder;
   const auto log = folder.file("log.g2o", "");

@@ -74,6 +74,11 @@ TEST_F(BuildInParts, PartsOfDifferentLogsAreNotTwoRobots) {
   EXPECT_THAT(ended.err, HasSubstr("build all parts from the same log with the same options, or give all parts of each log"));
   const Ended three = call({"join", grown, first, second});
   EXPECT_THAT(three.err, HasSubstr("have parts 2/2 and 1/2")) << "one of the grown log, all of the other";
+  const std::string all = path("all.maps");
+  ASSERT_EQ(call({"build", log, "-o", all, "--poses-per-map", "25"}).exit_code, 0);
+  const Ended whole = call({"join", all, first});
+  EXPECT_EQ(whole.exit_code, 3);
+  EXPECT_THAT(whole.err, HasSubstr("have parts 1/1 and 1/2")) << "all of the grown log, one of the other";
 }
 
 TEST_F(BuildInParts, AllPartsOfEachOfTwoRobotsAreJoined) {

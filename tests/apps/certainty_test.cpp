@@ -27,7 +27,7 @@ class Certainty : public ::testing::Test {
                               path(truth), "--quiet"});
     ASSERT_EQ(ended.exit_code, 0) << ended.err;
   }
-  /// The numbers of a line of a CSV file.
+  /// The numbers in a line of a CSV file; line 0 is the first.
   static std::vector<double> numbers(const std::string& file, int line) {
     std::ifstream in(file);
     std::string text;
@@ -134,7 +134,7 @@ TEST_F(Certainty, WhatAnEarlierMapLeftBesideIsSaidAndNeitherRemovedNorDrawn) {
 }
 
 TEST_F(Certainty, AMapThatIsFreeToMoveIsRefusedByEveryMethod) {
-  // Of the feature only one coordinate is known: Levenberg-Marquardt's damping would hold it, nothing else does.
+  // Only one coordinate of the feature is known: the damping of Levenberg-Marquardt would hold the other, nothing else does.
   std::ofstream(path("log.g2o")) << "VERTEX_SE2 0 0 0 0.5\nVERTEX_SE2 1 1 0 0.5\nVERTEX_XY 2 3 1\nFIX 0\n"
                                     "EDGE_SE2 0 1 1 0 0 10 0 0 10 0 10\nEDGE_SE2_XY 0 2 3 1 10 0 0\n";
   for (const std::string method : {"gn", "dogleg", "lm"}) {

@@ -22,7 +22,7 @@ json checked(std::vector<std::string> arguments, int exit_code) {
   return json::parse(ended.out);
 }
 
-/// The finding of this name; null where there is none.
+/// The finding of this name; null if there is none.
 json finding(const json& report, const std::string& check) {
   for (const json& finding : report["findings"]) {
     if (finding["check"] == check) return finding;
@@ -144,10 +144,10 @@ TEST(Check, TakesTheFilesOwnValuesWhereAskedTo) {
   const TemporaryFolder folder;
   const std::string map = (folder.path() / "map.g2o").string();
   ASSERT_EQ(call({"solve", kBundledLog, "-o", map}).exit_code, 0);
-  EXPECT_TRUE(checked({map, "--estimate", "file"}, 0)["findings"].size() == 1);  // Of the feature that is seen once.
+  EXPECT_TRUE(checked({map, "--estimate", "file"}, 0)["findings"].size() == 1);  // a feature is seen once
   std::string text = content_of(map);
   const std::string vertex = "VERTEX_SE2 500 ";
-  text.insert(text.find(vertex) + vertex.size(), "100");  // Away by a hundred metres or more.
+  text.insert(text.find(vertex) + vertex.size(), "100");  // moved by a hundred metres or more
   const json moved = checked({folder.file("moved.g2o", text).string(), "--estimate", "file"}, 1);
   EXPECT_THAT(finding(moved, "outliers")["where"][0].get<std::string>(), HasSubstr("pose 500"));
   const Ended without = call({"check", folder.file("bare.g2o", kSmallLog).string(), "--estimate", "file"});
@@ -188,7 +188,7 @@ TEST(CheckData, FindsWhatIsKnownOfPublicData) {
   EXPECT_TRUE(finding(vicpark, "too_cautious").is_object());
   EXPECT_EQ(vicpark["findings"].size(), 1u);
 
-  // The associations that were corrected later are what does not fit.
+  // The misfits of DLR are associations that its corrected log mends.
   const json dlr = checked({data_file("dlr/map.circles.gz").string()}, 1);
   const json corrected = checked({data_file("dlr/dlr_corrected.txt.gz").string()}, 1);
   EXPECT_THAT(finding(dlr, "misfit")["where"][0].get<std::string>(), HasSubstr("feature 179"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The command as the tests call it, the logs they give it, and how they read what it writes.
+// Calls of the command, the logs that tests give it, and readers of what it writes.
 
 #include <gmock/gmock.h>
 
@@ -16,7 +16,7 @@
 
 namespace mapjoin::testing {
 
-/// How a call of the command ended.
+/// The end of a call of the command.
 struct Ended {
   int exit_code = -1;
   std::string out;
@@ -49,7 +49,7 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// One sentence on standard error, after the command's name, and nothing on standard output.
+/// Expects one sentence with `part` in it on standard error, after the name of the command, and nothing on standard output.
 inline void expect_failure(const Ended& ended, int exit_code, const std::string& part) {
   EXPECT_EQ(ended.exit_code, exit_code);
   EXPECT_EQ(ended.out, "");
@@ -57,7 +57,7 @@ inline void expect_failure(const Ended& ended, int exit_code, const std::string&
   EXPECT_EQ(lines_of(ended.err).size(), 1U) << ended.err;
 }
 
-/// How often `part` stands in `text`.
+/// The number of times that `part` is in `text`.
 inline std::size_t count_of(std::string_view text, std::string_view part) {
   std::size_t found = 0;
   for (std::size_t at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1)) ++found;
@@ -68,7 +68,7 @@ inline std::size_t count_of(std::string_view text, std::string_view part) {
 inline const std::string kBundledLog = (kBundledData / "manhattan2d.g2o").string();
 inline const std::string kBundledTruth = (kBundledData / "manhattan2d.truth.tum").string();
 
-/// Three poses in a row that see one feature.
+/// Three poses in a row, the first and the last of which see one feature.
 inline const std::string kSmallLog =
     "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n"
     "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n"

@@ -29,7 +29,7 @@ std::vector<std::string> fields_of(const std::string& line) {
   return fields;
 }
 
-/// One comparison in 2D, with the truth, that the tests look at.
+/// One comparison in 2D, with the truth, which all tests look at.
 class Compare : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -118,13 +118,13 @@ TEST_F(Compare, WritesAPageThatIsWellFormedAndNeedsNothingElse) {
   EXPECT_THAT(page, HasSubstr("25 of the 25 ways reach it"));
 }
 
-/// JSON without what differs from call to call.
+/// A report without times and memory.
 json without_effort(json report) {
   for (json& one : report.at("cases")) one.erase("effort");
   return report;
 }
 
-/// CSV, or a table of the page, without the columns of time and memory.
+/// CSV without the columns of time and memory.
 std::string without_effort(const std::string& csv) {
   const auto rows = lines_of(csv);
   const auto keys = fields_of(rows.front());

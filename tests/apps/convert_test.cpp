@@ -35,7 +35,7 @@ TEST_F(ConvertTest, TakesTheFormatFromTheNameOrAsItIsTold) {
 TEST_F(ConvertTest, SaysWhatIsLost) {
   const Ended isam = call({"convert", town, path("log.isam")});
   EXPECT_THAT(isam.out, HasSubstr("lost         which poses are fixed is left out\n"));
-  EXPECT_THAT(isam.out, Not(HasSubstr("values")));  // There are none.
+  EXPECT_THAT(isam.out, Not(HasSubstr("values")));  // the log has none
   const Ended toro = call({"convert", town, path("log.graph")});
   EXPECT_THAT(toro.out, HasSubstr("143 features with 2524 observations left out"));
   EXPECT_THAT(toro.out, HasSubstr("poses are where odometry alone has them"));

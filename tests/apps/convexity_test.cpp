@@ -41,10 +41,10 @@ TEST_F(ConvexityCommand, WritesATableForPeopleAndFilesForPrograms) {
   EXPECT_EQ(joining["formulation"], "joining");
   EXPECT_EQ(joining["state"], "relative");
   EXPECT_EQ(joining["pairs"].size(), 2U);
-  // Three poses and a feature: two edges of odometry, the first observation, and the other's, of which nothing is linear.
+  // Three poses and a feature: two edges of odometry, the first observation, and the second, of which nothing is linear.
   EXPECT_EQ(report["formulations"][1]["quadratic"]["rows"], 10);
   EXPECT_EQ(report["formulations"][1]["quadratic"]["quadratic_rows"], 8);
-  // The first edge and the first observation are from the held pose; of the other edge the heading is linear.
+  // The first edge and the first observation are from the held pose, and linear; of the other edge the heading is.
   EXPECT_EQ(report["formulations"][0]["quadratic"]["quadratic_rows"], 6);
 }
 

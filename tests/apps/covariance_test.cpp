@@ -65,7 +65,7 @@ TYPED_TEST(CovarianceCommand, GivesBlocksOfTheDenseInverse) {
   constexpr int kDof = TestFixture::kDof;
   constexpr int kDim = TestFixture::kDim;
   const auto written = std::get<Log<kDim>>(open_log(this->folder.path() / "log.g2o").value());
-  const std::string feature = key_text(written.features[3].key);  // numbered apart from poses
+  const std::string feature = key_text(written.features[3].key);  // its id in the file, which differs from those of poses
   const auto report =
       report_of({"covariance", (this->folder.path() / "log.g2o").string(), "pose:9", "feature:" + feature, "pose:0"});
   std::vector<Eigen::Index> rows;
@@ -79,7 +79,8 @@ TYPED_TEST(CovarianceCommand, GivesBlocksOfTheDenseInverse) {
   EXPECT_EQ(report["gauge"]["held_poses"][0]["pose"], 0);
 }
 
-/// Of all that has a pose in it, whichever was named first: the one named later in the frame of the other, or of the pose.
+/// Each pair with a pose in it has a relation, in whatever order they are named: a feature in the frame of a pose, and the
+/// later pose in that of the earlier one.
 TYPED_TEST(CovarianceCommand, GivesRelativeCovariances) {
   constexpr int kDof = TestFixture::kDof;
   constexpr int kDim = TestFixture::kDim;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The pages of the documents as a test reads them: their blocks of commands, and how shown output is compared.
+// Pages of the documents as a test reads them: their blocks of commands, and the comparison of shown output.
 
 #include <cmath>
 #include <cstdlib>
@@ -23,7 +23,7 @@ namespace mapjoin::testing {
 struct Block {
   std::string language;
   std::vector<std::string> lines;
-  std::size_t line = 0;  ///< Of its fence, from 1.
+  std::size_t line = 0;  ///< Line of its fence, from 1.
   std::optional<std::string> not_run;
   std::vector<std::string> data;
   std::optional<std::string> exit;
@@ -32,7 +32,7 @@ struct Block {
   bool holds_commands() const { return language == "sh" || language == "console"; }
 };
 
-/// What a comment `<!-- NAME: VALUE -->` has as its value, where it is one of that name.
+/// The value of a comment `<!-- NAME: VALUE -->`; nullopt if it is none of this name.
 inline std::optional<std::string> said(const std::string& comment, const std::string& name) {
   const std::string begin = "<!-- " + name + ": ";
   if (!comment.starts_with(begin)) return std::nullopt;
@@ -86,7 +86,7 @@ inline std::vector<Shown> shown_in(const Block& block) {
   return all;
 }
 
-/// Times and memory as "#", runs of spaces as one: what may differ from one call to the next.
+/// A line with what differs from call to call masked: times and memory as "#", runs of spaces as one.
 inline std::string masked(std::string line) {
   static const std::regex number(R"([0-9]+(\.[0-9]+)?)");
   static const std::regex effort(R"([0-9]+(\.[0-9]+)? (s|ms|MB|GB)\b)");
@@ -96,7 +96,8 @@ inline std::string masked(std::string line) {
   return line.ends_with(' ') ? line.substr(0, line.size() - 1) : line;
 }
 
-/// Equal, decimals to 1e-6 of them or a unit of the last digit shown: another processor rounds differently.
+/// True if two masked lines are equal, with decimals to 1e-6 of them or to a unit of the last digit shown, for another
+/// processor rounds differently.
 inline bool is_same(const std::string& shown, const std::string& given) {
   static const std::regex decimal(R"(-?[0-9]+\.[0-9]+(e[-+]?[0-9]+)?)");
   const std::string a = masked(shown);
@@ -115,7 +116,8 @@ inline bool is_same(const std::string& shown, const std::string& given) {
   return true;
 }
 
-/// Line by line; a line "…" stands for any lines. The first line that differs, or nothing.
+/// The first difference of two outputs, line by line, in words; nullopt if there is none. A shown line "…" stands for any
+/// lines.
 inline std::optional<std::string> difference(const std::vector<std::string>& shown, const std::vector<std::string>& given,
                                              std::size_t s = 0, std::size_t g = 0) {
   for (; s < shown.size(); ++s, ++g) {

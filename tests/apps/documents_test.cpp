@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 const fs::path kDocs = kDocuments;
 
-/// README.md and every page of docs/.
+/// README.md, data/README.md and every page of docs/.
 std::vector<fs::path> pages() {
   std::vector<fs::path> all = {kDocs.parent_path() / "README.md", kBundledData / "README.md"};
   for (const auto& entry : fs::recursive_directory_iterator(kDocs)) {
@@ -27,14 +27,15 @@ std::vector<fs::path> pages() {
   return all;
 }
 
-/// Why the block is not run here.
+/// The reason why a block is not run; nullopt if it is run.
 std::optional<std::string> left_out(const Block& block) {
   if (block.not_run) return block.not_run;
   if (!block.data.empty() && std::getenv("MAPJOIN_DATA_DIR") == nullptr) return "MAPJOIN_DATA_DIR is not set";
   return std::nullopt;
 }
 
-/// A folder as its reader has it: the bundled logs in data/, the programs of the library guide, and the command on the PATH.
+/// A folder as a reader of the documents has it: the bundled logs in data/, the programs of the library guide, and the command
+/// on the PATH.
 class Reader {
  public:
   Reader() {
@@ -54,7 +55,7 @@ class Reader {
   }
 
  private:
-  /// The command's folder on the PATH; everything into one stream, as a terminal shows it.
+  /// The lines before each script: the folder of the command on the PATH, and all output in one stream, as a terminal shows it.
   std::string prelude() const { return "exec 2>&1; export PATH=" + fs::path(kCommand).parent_path().string() + ":$PATH\n"; }
 
   std::string output_of(const std::string& script, int& exit_code) const {

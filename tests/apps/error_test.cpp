@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Three poses in a row, the last one half a metre off; and the truth.
+/// Three poses in a row, the last one half a metre off, and the true ones.
 const std::string kMap = "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0.5 0\n";
 const std::string kTrueMap = "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0 0\nEDGE_SE2 4 6 2 0 0 1 0 0 1 0 1\n";
 

@@ -17,12 +17,12 @@ using ::testing::StartsWith;
 
 class BadInput : public ::testing::Test {
  protected:
-  /// A log with this content is refused, with a message that has its name followed by `place` and `part`.
+  /// Expects a log with this content to be refused, with a message that has its name followed by `place`, and `part`.
   void expect_refused(const std::string& content, const std::string& place, const std::string& part) const {
     const auto log = folder.file("log.g2o", content);
     for (const std::string command : {"run", "info"}) {
       const Ended ended = call({command, log.string()});
-      if (command == "info" && ended.exit_code == 0) continue;  // What only a solve finds out.
+      if (command == "info" && ended.exit_code == 0) continue;  // only a solve finds it
       expect_failure(ended, 3, part);
       EXPECT_THAT(ended.err, HasSubstr(log.string() + place)) << command;
     }
@@ -174,6 +174,12 @@ TEST(Errors, ARemedyThatACommandLacksIsOfferedWithTheCommandThatHasIt) {
   EXPECT_THAT(call({"solve", unknown}).err, EndsWith("; --skip-unknown leaves such lines out\n"));
   EXPECT_THAT(call({"plot", unknown, "-o", map}).err,
               EndsWith("; --skip-unknown leaves such lines out; --skip-unknown goes with `mapjoin run`\n"));
+  const auto robot = folder.file("robot.g2o", "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 7 1 0 0 1 0 0 1 0 1\n").string();
+  const std::string undeclared = "not pose 7; give the file that does as FURTHER, or --skip-undeclared";
+  EXPECT_THAT(call({"run", robot}).err, EndsWith(undeclared + "\n"));
+  EXPECT_THAT(call({"convert", robot, map + ".graph"}).err, EndsWith(undeclared + "; FURTHER goes with `mapjoin run`\n"));
+  EXPECT_THAT(call({"plot", robot, apart, "-o", map}).err,
+              EndsWith(undeclared + "; --skip-undeclared and FURTHER go with `mapjoin run`\n"));
 }
 
 TEST(Usage, AnOptionOfWhatIsNotAskedForIsNamed) {

@@ -34,7 +34,8 @@ class Follow : public ::testing::Test {
     return steps;
   }
 
-  /// As a robot would write them: every pose's odometry, then what it sees. The bundled file has all odometry first.
+  /// The lines as a robot would write them: the odometry to each pose, then what it sees. The bundled file has all odometry
+  /// first.
   static std::vector<std::string> as_driven(std::vector<std::string> lines) {
     const auto pose = [](const std::string& line) {
       std::istringstream words(line);
@@ -48,7 +49,7 @@ class Follow : public ::testing::Test {
     return lines;
   }
 
-  /// Waits until there are so many steps, a minute at most.
+  /// Waits until there are `count` steps, for a minute at most.
   void await_steps(std::size_t count) const {
     for (int k = 0; k < 1200 && lines_of(path("steps")).size() < count; ++k) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -82,7 +83,7 @@ TEST_F(Follow, ALogThatGrowsEndsAsTheRunOfTheWhole) {
     EXPECT_EQ(step.at("map"), maps + 1);
     maps += step.at("maps").get<std::size_t>();
   }
-  EXPECT_EQ(maps, 100u);  // of 10 poses
+  EXPECT_EQ(maps, 100u);  // each of 10 poses
   EXPECT_GT(steps().size(), 10u);
   EXPECT_EQ(steps().back().at("last_pose"), 999);
 }
@@ -104,7 +105,7 @@ TEST_F(Follow, WrongClosuresAreLeftOutAsTheLogGrows) {
   for (std::size_t k = 0; k < slices; ++k) {
     for (std::size_t l = k * log.size() / slices; l < (k + 1) * log.size() / slices; ++l) growing << log[l];
     growing.flush();
-    await_steps(k == 0 ? 1 : 20 * k);  // so that the maps of later slices come one by one
+    await_steps(k == 0 ? 1 : 20 * k);  // the maps of later slices then come one by one
   }
   await_steps(80);
   process.send(SIGINT);
@@ -147,8 +148,8 @@ TEST_F(Follow, AFileThatIsCompleteIsJoinedAtOnce) {
   double chi2 = 0.0;
   std::size_t count = 0;
   for (std::string line; std::getline(lines, line); ++count) chi2 = nlohmann::json::parse(line).at("chi2");
-  EXPECT_EQ(count, 2u);            // all that was complete, and the last map
-  EXPECT_NEAR(chi2, 884.68, 9.0);  // of a join of its maps of 10 poses (IncrementalData compares every step)
+  EXPECT_EQ(count, 2u);            // one step for all that was complete, one for the last map
+  EXPECT_NEAR(chi2, 884.68, 9.0);  // chi2 of a join of its maps of 10 poses (IncrementalData compares every step)
 }
 
 TEST_F(Follow, IdsMayBeTimes) {
@@ -160,7 +161,7 @@ TEST_F(Follow, IdsMayBeTimes) {
 }
 
 TEST_F(Follow, IdsMayBeInNoOrderAtAll) {
-  // As names, every tenth id first: nothing but the edges tells how the poses were driven.
+  // Ids are a permutation of the poses: only the edges tell how they were driven.
   std::ofstream shuffled(path("log.g2o"));
   for (const std::string& line : log) {
     std::istringstream words(line);

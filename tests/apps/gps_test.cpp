@@ -19,9 +19,9 @@ using ::testing::StartsWith;
 
 class GpsCommand : public ::testing::Test {
  protected:
-  /// The log of a world, and its fixes as a table, each by its pose; so many of them, from the second one on, 50 m too far
-  /// east.
   GpsCommand() { write_fixes(0); }
+  /// Writes the log of a world and its fixes as a table, each by its pose; `spoiled` of them, from the second one on, are 50 m
+  /// too far east.
 
   void write_fixes(std::size_t spoiled) {
     const auto world = gps_world<2>({.poses = 100, .between = 2, .deviation = 0.2});

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <apps/commands/subcommand.hpp>
+#include <apps/console.hpp>
 #include <sstream>
 #include <tests/apps/command.hpp>
 
@@ -11,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of every command, in the order of the help.
+/// The names of all commands, in the order of the help.
 std::vector<std::string> command_names() {
   std::vector<std::string> names;
   for (const auto& command : apps::command_line().commands) names.push_back(command->name());
@@ -30,7 +32,7 @@ std::vector<std::string> examples_in(const std::string& help) {
   return examples;
 }
 
-/// A command's examples, one after the other, in a folder with the bundled logs under `data`.
+/// The examples of a command, one after the other, in a folder with the bundled logs under `data`.
 class Examples : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Examples, WorkAsPasted) {
@@ -55,8 +57,22 @@ TEST(Help, NamesEveryCommandAndExitCode) {
   const Ended help = call({"--help"});
   EXPECT_EQ(help.exit_code, 0);
   for (const std::string& name : command_names()) EXPECT_THAT(help.out, ::testing::HasSubstr("\n  " + name + " "));
+  const std::string words = apps::wrapped(help.out, help.out.size()).front();
   for (const auto& [code, text, kind] : apps::kExitCodes) {
-    EXPECT_THAT(help.out, ::testing::HasSubstr(std::to_string(static_cast<int>(code)) + " ")) << text;
+    EXPECT_THAT(words, ::testing::HasSubstr(fmt::format(" {} {}", static_cast<int>(code), text)));
+  }
+}
+
+TEST(Help, SaysWhereTheFolderOfARunMayStand) {
+  const auto words = [](const std::string& command) {
+    const std::string help = call({command, "--help"}).out;
+    return apps::wrapped(help, help.size()).front();
+  };
+  for (const std::string command : {"info", "check", "convert", "basin", "convexity"}) {
+    EXPECT_THAT(words(command), ::testing::HasSubstr("A log, the folder of a run, a store, or a folder or archive"));
+  }
+  for (const std::string command : {"run", "join", "solve", "compare", "plot"}) {
+    EXPECT_THAT(words(command), ::testing::HasSubstr(".tum (poses only), g2o with vertices, or the folder of a run"));
   }
 }
 

@@ -9,7 +9,7 @@
 namespace mapjoin::testing {
 namespace {
 
-/// A line of `text` has these words, with any space between them.
+/// Expects a line of `text` to be this name and these words, with any number of spaces between them.
 void expect_line(const std::string& text, const std::string& name, const std::string& words) {
   EXPECT_THAT(text, ::testing::ContainsRegex("(^|\n)" + name + " +" + words + "\n"));
 }
@@ -59,7 +59,7 @@ TEST(Info, TellsStampsToTheNanosecond) {
 
 TEST(Info, TellsWhatASetOfLocalMapsHas) {
   const TemporaryFolder folder;
-  // One map, from pose 0 to pose 1, that sees feature 7.
+  // A local map from pose 0 to pose 1 that sees feature 7.
   std::string map = "0\n5\n-1 1\n-1 0\n-1 0\n7 2\n7 1\n";
   for (int row = 0; row < 5; ++row) {
     for (int col = 0; col < 5; ++col) map += row == col ? "1 " : "0 ";

@@ -16,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A process that is deaf to the request to stop.
+/// Ignores the request to stop. This process sends itself `first`, `second` at once, which may count as the same request, and
+/// `second` again.
 [[noreturn]] void go_on_whatever_is_asked(int first, int second) {
   ::alarm(60);
   apps::keep_blas_on_one_thread();
@@ -36,7 +37,7 @@ TEST(InterruptionDeathTest, TheSecondSignalEndsTheProcessWhateverItDoes) {
   EXPECT_EXIT(go_on_whatever_is_asked(SIGINT, SIGTERM), ::testing::ExitedWithCode(130), "were one request");
 }
 
-/// A call that is sent a signal as soon as it has begun to write at `sign`, or has read its input.
+/// Calls that are sent a signal as soon as they have begun to write at `sign`.
 class InterruptedCall : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (folder.path() / name).string(); }

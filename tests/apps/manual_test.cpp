@@ -27,7 +27,7 @@ std::string output_of(const std::vector<std::string>& words) {
   return process.standard_output();
 }
 
-/// The names of all commands, as the help of all lists them.
+/// The names of all commands, as `mapjoin --help` lists them.
 std::vector<std::string> commands() {
   const std::string help = call({"--help"}).out;
   const std::regex line("\n  ([a-z]+)  ");
@@ -75,7 +75,7 @@ TEST(Manual, EveryOptionIsInItsManPage) {
   }
 }
 
-/// What bash offers for the last of the words, or the options it asks readline to complete by.
+/// The words that bash offers for the last of `words`, or the options by which it asks readline to complete.
 std::vector<std::string> offered_by_bash(const std::vector<std::string>& words) {
   std::vector<std::string> line = {"bash", "-c",
                                    "source $0; compopt() { echo compopt $2; }; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1))\n"
@@ -110,7 +110,7 @@ TEST(BashCompletion, KnowsEveryOption) {
   }
 }
 
-/// What a terminal shows after the line and a tab, up to all of `expected`.
+/// The text that a terminal shows after the line and a tab, once it matches the pattern `expected`.
 std::string shown_by_zsh(const std::string& line, const std::string& expected) {
   const std::string script = "path=(" + fs::path(kCommand).parent_path().string() +
                              " $path); zmodload zsh/zpty; zpty shell zsh -f -i\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Calls that cannot write what they would: every file is then as it was, and one sentence says why.
+// Calls that cannot write their outputs: every file is then as it was, and one sentence says why.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@ using Words = std::vector<std::string>;
 
 const std::string kOld = "what was there before\n";
 
-/// Where an unfinished store waits for its build to go on.
+/// True for the files of an unfinished store, which waits for its build to go on.
 bool is_unfinished_store(const std::string& name) {
   return name.starts_with("maps.partial");
 }
@@ -45,7 +45,8 @@ class NoRoom : public ::testing::Test {
     fs::create_directory(out);
     fs::permissions(out, fs::perms::all);
   }
-  /// What an undisturbed call writes; the folder then holds files of these names with other contents.
+  /// The files that an undisturbed call writes. If it replaces files, the folder then holds files of these names with other
+  /// contents.
   Files expected_of(const WritingCall& writing) const {
     empty();
     EXPECT_EQ(call(writing.words(out)).exit_code, 0);
@@ -58,8 +59,8 @@ class NoRoom : public ::testing::Test {
     }
     return expected;
   }
-  /// Calls, behind the words of another program that confines it: what is in the folder `found` then is whole, as before or as
-  /// it should be. A call that says that it could not write has one sentence for it. Its exit code.
+  /// Runs a call through another program that confines it, and expects each file in the folder `found` to be whole, as before
+  /// or as it should be, and one sentence on standard error if the call failed. Returns its exit code.
   int expect_whole(Words confined, const WritingCall& writing, const Files& expected, const std::string& found) const {
     const Words words = command_line(writing.words(out));
     confined.insert(confined.end(), words.begin(), words.end());
@@ -88,7 +89,7 @@ TEST_F(NoRoom, AFileThatMayNotGrowIsNotWritten) {
   for (const WritingCall& writing : calls()) {
     SCOPED_TRACE(::testing::PrintToString(writing.words(out)));
     int failures = 0;
-    for (const std::string most : {"300", "3000", "30000"}) {  // Bytes; a sentence has room in the least.
+    for (const std::string most : {"300", "3000", "30000"}) {  // bytes; a sentence has room in the least
       const Files expected = expected_of(writing);
       failures += expect_whole({"prlimit", "--fsize=" + most}, writing, expected, out) == 5 ? 1 : 0;
     }
@@ -101,7 +102,7 @@ TEST_F(NoRoom, AFullDiskLosesNothing) {
     GTEST_SKIP() << "A small disk of its own takes root, and a namespace of mounts.";
   }
   const std::string kept = (folder.path() / "kept").string();
-  // As the disk is gone with its namespace, what is on it is kept before.
+  // Copies what is on the disk, which is gone with its namespace.
   const std::string script = R"(disk=$1 kept=$2; shift 2
     cp -r "$disk" "$kept" && mount -t tmpfs -o size=$SIZE tmpfs "$disk" && cp -r "$kept/." "$disk" && rm -r "$kept" || exit 99
     "$@"; code=$?
@@ -128,7 +129,7 @@ TEST_F(NoRoom, AFolderThatMayNotBeWrittenIntoIsLeftAlone) {
       if (entry.is_directory()) fs::permissions(entry.path(), fs::perms(0555));
     }
     fs::permissions(out, fs::perms(0555));
-    // Whom no permission binds does it as somebody else.
+    // Root, whom no permission binds, makes the call as somebody else.
     const Words as_nobody{"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"};
     EXPECT_EQ(expect_whole(::geteuid() == 0 ? as_nobody : Words{"env"}, writing, expected, out), 5);
     EXPECT_TRUE(files_in(out) == before);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The same call gives the same bytes, every time and on any number of threads. MAPJOIN_REPEATS says how often.
+// Repeated calls give the same bytes, on any number of threads. MAPJOIN_REPEATS says how many calls.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-/// A report without what is measured anew every time.
+/// A report without times and memory.
 nlohmann::json without_times(const nlohmann::json& report) {
   if (!report.is_structured()) return report;
   nlohmann::json kept = report;
@@ -27,7 +27,7 @@ nlohmann::json without_times(const nlohmann::json& report) {
 
 class Repeated : public ::testing::Test {
  protected:
-  /// Of all files that the call writes into the folder, and of its report.
+  /// The files that a call writes into the folder, and its report.
   Files written_by(Words words, const std::string& jobs) const {
     fs::remove_all(out);
     fs::create_directory(out);

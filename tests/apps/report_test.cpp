@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What other programs rely on, as JSON pointers.
+/// The keys of a report that other programs rely on, as JSON pointers.
 const std::vector<std::string> kPromised = {"/schema_version",
                                             "/version",
                                             "/command",
@@ -47,6 +47,7 @@ const std::vector<std::string> kPromised = {"/schema_version",
                                             "/join/state",
                                             "/join/start",
                                             "/join/schedule",
+                                            "/join/confirmed",
                                             "/join/method",
                                             "/join/engine",
                                             "/join/iterations",
@@ -94,7 +95,7 @@ const std::vector<std::string> kPromised = {"/schema_version",
                                             "/peak_memory_mb",
                                             "/blas"};
 
-/// The report without what differs from call to call.
+/// A report without times, memory and files.
 json without_figures_of_the_machine(json report) {
   for (const std::string key : {"seconds", "peak_memory_mb", "files"}) report.erase(key);
   report["local_maps"].erase("seconds");
@@ -135,6 +136,22 @@ TEST(Report, SaysWhatTheRunDid) {
   // Noise as stated: chi2 is within five of its standard deviations √(2 dof) of dof.
   const double dof = report.at("dof");
   EXPECT_NEAR(report.at("chi2"), dof, 5.0 * std::sqrt(2.0 * dof));
+}
+
+TEST(Report, SaysWhetherTheWaysOfJoiningConfirmTheOptimum) {
+  const TemporaryFolder folder;
+  const std::string lost = (folder.path() / "lost.g2o").string();
+  // Few features, and odometry twenty times as noisy as usual: each of three ways ends at another optimum.
+  ASSERT_EQ(call({"simulate", "--poses", "400", "--seed", "11", "--feature-cell", "7.5", "--step-noise", "0.6", "--turn-noise",
+                  "0.14", "-o", lost, "--quiet"})
+                .exit_code,
+            0);
+  const std::vector<std::pair<std::vector<std::string>, json>> cases{
+      {{"run", lost}, false}, {{"run", kBundledLog}, true}, {{"run", lost, "--schedule", "tree"}, nullptr}};
+  for (const auto& [arguments, is_confirmed] : cases) {
+    EXPECT_EQ(report_of(arguments).at("join").at("confirmed"), is_confirmed);
+    EXPECT_EQ(count_of(call(arguments).out, "is not confirmed"), is_confirmed == json(false) ? 1U : 0U);
+  }
 }
 
 TEST(Report, IsTheSameForAnyNumberOfThreads) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the command leaves out with --robust, and what it says of it.
+// The option --robust: what it leaves out, and what it says of that.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several logs or stores to a command: each a session.
+// Several logs or stores in one call, each a session.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using ::testing::Not;
 
 class SeveralInputs : public ::testing::Test {
  protected:
-  /// The bundled town cut in two, less the odometry between, each part in a frame and with pose ids of its own.
+  /// Writes the two halves of the bundled log, without the odometry between them, each with pose ids of its own.
   void SetUp() override {
     const auto whole = std::get<Log<2>>(open_log(kBundledLog).value());
     LogBuilder<2> first("a");
@@ -117,9 +117,12 @@ TEST_F(SeveralInputs, AStoreOfSeveralAsksForSuchFeaturesToo) {
   EXPECT_EQ(asked.exit_code, 3);
   EXPECT_THAT(asked.err, HasSubstr("`mapjoin build` with --features own where ids mean other features in each input"));
   EXPECT_EQ(call({"join", store, "--features", "shared"}).exit_code, 0);
+  const std::string said = (folder.path() / "said.maps").string();
+  ASSERT_EQ(call({"build", a, other, "--features", "shared", "-o", said}).exit_code, 0);
+  EXPECT_EQ(call({"join", said}).exit_code, 0) << "which says that they are shared";
 }
 
-/// Steps of a metre from each of these poses to the next one.
+/// Edges of a metre from each of these poses to the next one.
 std::string steps_from(const std::vector<int>& poses) {
   std::string text;
   for (const int from : poses) text += fmt::format("EDGE_SE2 {} {} 1 0 0 1 0 0 1 0 1\n", from, from + 1);
@@ -190,6 +193,30 @@ TEST_F(SeveralInputs, OtherWorldsStayApartWhichIsExplained) {
   EXPECT_THAT(apart.err, HasSubstr("--parts largest takes the largest part"));
   EXPECT_EQ(report_of({"run", a, other, "--associate", "--features", "own", "--parts", "largest"})["poses"], 500);
   EXPECT_EQ(call({"run", a, other, "--associate", "--parts", "all", "-o", (folder.path() / "parts").string()}).exit_code, 2);
+}
+
+TEST_F(SeveralInputs, ACopyIsRefusedWhateverItsName) {
+  const std::string copy = (folder.path() / "copy.g2o").string();
+  std::filesystem::copy_file(a, copy);
+  const std::string is_copy = copy + " has the same poses, features and measurements as " + a;
+  for (const char* command : {"run", "check", "build"}) {
+    const Ended ended = call({command, a, b, copy, "-o", (folder.path() / "out").string()});
+    EXPECT_EQ(ended.exit_code, 2) << command;
+    EXPECT_THAT(ended.err, HasSubstr(is_copy)) << command;
+    EXPECT_THAT(ended.err, HasSubstr("leave one out; --keep-copies takes both for robots")) << command;
+  }
+  EXPECT_EQ(report_of({"solve", a, copy, "--keep-copies"})["poses"], 1000);
+
+  const std::string store = (folder.path() / "a.maps").string();
+  ASSERT_EQ(call({"build", a, "-o", store}).exit_code, 0);
+  std::vector<std::string> sets;
+  for (const char* name : {"set", "same"}) {
+    sets.push_back((folder.path() / name).string());
+    ASSERT_EQ(call({"convert", store, sets.back(), "--to", "maps-text"}).exit_code, 0);
+  }
+  const Ended ended = call({"join", sets[0], sets[1]});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.err, HasSubstr(sets[1] + " has the same poses, features and measurements as " + sets[0]));
 }
 
 TEST_F(SeveralInputs, OneOfThemMayNotBeLocalMaps) {

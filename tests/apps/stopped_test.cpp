@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Calls that are killed, or interrupted, at any moment. MAPJOIN_KILLS says how often; the moments are the same every time,
-// as shares of the time that an undisturbed call takes.
+// Calls that are killed or interrupted at any moment. MAPJOIN_KILLS says how often; the moments are the same every time, as
+// shares of the time that an undisturbed call takes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 using ::testing::AnyOf;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kBeyondTheEnd = 1.15;  ///< Some moments lie behind the end of the call.
+constexpr double kBeyondTheEnd = 1.15;  ///< Latest moment over the time of an undisturbed call: some lie behind its end.
 const std::string kOld = "what was there before\n";
 
 bool is_temporary(const std::string& name) {
   return name.find(".mapjoin-tmp") != name.npos;
 }
 
-/// What a call leaves in a folder, beside anything temporary.
+/// The files in a folder, without temporary ones.
 Files outputs_in(const fs::path& folder) {
   Files files = files_in(folder);
   std::erase_if(files, [](const auto& file) { return is_temporary(file.first); });
@@ -45,7 +45,7 @@ class Stopped : public ::testing::Test {
     fs::remove_all(out);
     fs::create_directory(out);
   }
-  /// How long a call takes undisturbed; what it writes is in the folder then.
+  /// The time that a call takes undisturbed, the longer of two; its outputs are in the folder then.
   Seconds time_of(const WritingCall& writing) const {
     Seconds longest{0.0};
     for (int k = 0; k < 2; ++k) {
@@ -56,7 +56,7 @@ class Stopped : public ::testing::Test {
     }
     return longest;
   }
-  /// What is in the folder after a call that was sent the signal at a random moment.
+  /// The end of a call that is sent the signal at a random moment.
   Ended stop(const WritingCall& writing, Seconds whole, int signal) {
     Process process(command_line(writing.words(out)));
     std::this_thread::sleep_for(random.uniform(0.0, kBeyondTheEnd) * whole);
@@ -64,7 +64,7 @@ class Stopped : public ::testing::Test {
     const int exit_code = process.wait();
     return {exit_code, process.standard_output(), process.standard_error()};
   }
-  /// Every output is as it was before, or as it is to be.
+  /// Expects every output to be as it was before or as it is to be, and none to be gone.
   static void expect_whole(const Files& found, const Files& before, const Files& expected) {
     for (const auto& [name, content] : found) {
       const bool is_old = before.contains(name) && content == before.at(name);
@@ -72,7 +72,7 @@ class Stopped : public ::testing::Test {
     }
     for (const auto& [name, content] : before) EXPECT_TRUE(found.contains(name)) << name;
   }
-  /// Stops every call of those below `times` times; `check` sees how it ended and what it left.
+  /// Stops each of the writing_calls() `times` times; `check` takes its end, what it left, and what it would write undisturbed.
   void stop_all(int times, const std::vector<int>& signals,
                 const std::function<void(const Ended&, const Files& found, const Files& expected)>& check);
 
@@ -157,7 +157,7 @@ TEST_F(Stopped, NoOutputOfACallThatIsKilledIsHalfWritten) {
 
 TEST_F(Stopped, ACallThatIsInterruptedSaysSoAndLeavesNothingBehind) {
   stop_all(std::max(2, kills / 8), {SIGINT, SIGTERM}, [&](const Ended& ended, const Files& found, const Files& expected) {
-    // It may come before the command can know of it.
+    // The signal may come before the command can handle it.
     EXPECT_THAT(ended.exit_code, AnyOf(0, 130, 1000 + SIGINT, 1000 + SIGTERM));
     EXPECT_TRUE(ended.exit_code != 0 || found == expected);
     EXPECT_TRUE(ended.exit_code != 130 || ended.err == "mapjoin: interrupted\n") << ended.err;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the command says of whether a map fits.
+// The verdict of the command: whether a map fits.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using ::testing::StartsWith;
 
 class VerdictTest : public ::testing::Test {
  protected:
-  /// The bundled log with one line more.
+  /// The bundled log with a further line.
   std::string log_with(const std::string& line) const {
     const std::string path = (folder.path() / "log.g2o").string();
     std::ofstream(path) << content_of(kBundledLog) << line << '\n';

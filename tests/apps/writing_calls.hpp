@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Calls of the command that write something, and what they leave in a folder.
+// Calls of the command that write files, and the files that they leave.
 
 #include <cstdlib>
 #include <functional>
@@ -12,7 +12,7 @@ namespace mapjoin::testing {
 /// Contents of files by their names.
 using Files = std::map<std::string, std::string>;
 
-/// The bytes of every file in a folder and below it; of a report, which has times in it, whether it is whole.
+/// The bytes of every file in a folder and below it; for a whole report, in which times differ, the words "a report".
 inline Files files_in(const std::filesystem::path& folder) {
   Files files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -25,13 +25,13 @@ inline Files files_in(const std::filesystem::path& folder) {
   return files;
 }
 
-/// A call that writes into the folder it is given.
+/// A call that writes into the folder that it is given.
 struct WritingCall {
   std::function<std::vector<std::string>(const std::string& folder)> words;
-  bool replaces = true;  ///< What is there already.
+  bool replaces = true;  ///< True if it replaces files that are there already.
 };
 
-/// Its words, with the last of them, before --quiet, a name in the folder.
+/// The call of `words`, followed by `name` in the folder and --quiet.
 inline WritingCall writing_call(std::vector<std::string> words, const std::string& name, bool replaces = true) {
   return {[=](const std::string& folder) {
             std::vector<std::string> all = words;
@@ -41,7 +41,7 @@ inline WritingCall writing_call(std::vector<std::string> words, const std::strin
           replaces};
 }
 
-/// One of every command that takes little time, on a log and a store of its maps.
+/// Calls that write and take little time, on a log and a store of its maps.
 inline std::vector<WritingCall> writing_calls(const std::string& log, const std::string& store) {
   return {writing_call({"run", log, "--covariances", "--relations", "-o"}, "map"),
           writing_call({"join", store, "--covariances", "-o"}, "map.csv"),
@@ -52,7 +52,7 @@ inline std::vector<WritingCall> writing_calls(const std::string& log, const std:
           writing_call({"simulate", "--poses", "1000", "-o"}, "log.g2o")};
 }
 
-/// How often a test that repeats does so: the number in the environment variable `name`, or `usually` where there is none.
+/// The number of repetitions of a test: that in the environment variable `name`, or `usually` if it is not set.
 inline int how_often(const char* name, int usually) {
   const char* asked = std::getenv(name);
   return asked ? std::atoi(asked) : usually;

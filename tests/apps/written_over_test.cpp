@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// No input is lost to an output, and no output to another.
+// Outputs replace neither inputs nor each other.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -93,7 +93,7 @@ TEST(WrittenOver, NothingReadInAFolderIsReplaced) {
   const std::string link = (folder.path() / "link").string();
   std::filesystem::create_symlink(map, link);
   expect_failure(call({"run", link, "-o", result}), 2, "LOG " + link + replaces);
-  std::filesystem::copy(map, result + "/inliers.g2o");  // as --robust leaves it; a run without would take it away
+  std::filesystem::copy(map, result + "/inliers.g2o");  // as --robust writes it; a run without it would remove it
   expect_failure(call({"run", result + "/inliers.g2o", "-o", result}), 2, "LOG " + result + "/inliers.g2o" + replaces);
   const std::string truth = result + "/trajectory_1.tum";
   std::filesystem::copy(result + "/trajectory.tum", truth);

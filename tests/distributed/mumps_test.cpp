@@ -52,7 +52,7 @@ TEST_F(ChainOfMatrices, IsSolvedLikeTheDenseSum) {
   ASSERT_TRUE(mumps.factorise(values));
   expect_solved(mumps);
   values = lower();
-  ASSERT_TRUE(mumps.factorise(values));  // again, by the same analysis
+  ASSERT_TRUE(mumps.factorise(values));  // a second time after one analysis
   expect_solved(mumps);
 }
 

@@ -7,7 +7,7 @@
 
 namespace mapjoin::fuzz {
 
-/// The front door: a file of whatever kind.
+/// Runs open_log() on a file of any format.
 void any_log(std::string_view bytes) {
   static const testing::TemporaryFolder folder;
   const auto path = folder.file("log", bytes);

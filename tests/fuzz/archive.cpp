@@ -8,7 +8,7 @@
 
 namespace mapjoin::fuzz {
 
-/// Every member's content is within the archive; what is named as a local map is read as one.
+/// Visits the members of an archive, all of which must lie within it, and reads those named as local maps.
 void archive(std::string_view bytes) {
   static const testing::TemporaryFolder folder;
   const auto path = folder.file("maps.tar", bytes);

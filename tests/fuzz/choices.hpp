@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How a text is read, chosen by the text itself, so that it stays a file of its format.
+// The options of readers, chosen by the text that they read in such a way that it stays a file of its format.
 
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace mapjoin::fuzz {
 
-/// From a comment `#OP…` in the first line: the bits of O are the options, the code of P counts bytes.
+/// Choices by a comment `#OP…` in the first line: the bits of O are options of the reader, the code of P is a number of bytes.
 struct Choices {
   ReadOptions options;
   std::size_t piece_bytes = 64;

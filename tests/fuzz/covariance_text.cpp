@@ -5,7 +5,7 @@
 
 namespace mapjoin::fuzz {
 
-/// Of either format.
+/// Runs the reader on a text of either of its formats.
 void covariance_text(std::string_view bytes) {
   const auto log = read_covariance_text(TextScanner("log.txt", bytes), {});
   check(log, "log.txt");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A folder of several files out of one input.
+// Folders of several files, made of one input.
 
 #include <filesystem>
 #include <map>
@@ -13,11 +13,11 @@ namespace mapjoin::fuzz {
 /// Files by name.
 using Files = std::map<std::string, std::string_view>;
 
-/// Each file stands below a line `==> NAME <==`, as `tail -n +1 FILE…` prints them; the last one of a name counts, names that
-/// are more than a name do not.
+/// The files in an input, each below a line `==> NAME <==`, as `tail -n +1 FILE…` prints them. The last file of a name counts;
+/// files whose name could be a path are left out.
 Files files_in(std::string_view bytes);
 
-/// A folder that has the files of the last input, and no others.
+/// A folder that holds the files of the last input, and no others.
 class Folder {
  public:
   const std::filesystem::path& path() const { return folder_.path(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// libFuzzer's program: `mapjoin_fuzz --target=NAME [libFuzzer's options] CORPUS`.
+// The program for libFuzzer: `mapjoin_fuzz --target=NAME [libFuzzer's options] CORPUS`.
 
 #include <tbb/global_control.h>
 
@@ -15,7 +15,7 @@ void (*run)(std::string_view bytes) = nullptr;
 }  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  // On one thread an input always takes the same course.
+  // One thread alone, so that an input always takes the same course.
   static const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 1);
   constexpr std::string_view kOption = "--target=";
   for (int i = 1; i < *argc; ++i) {

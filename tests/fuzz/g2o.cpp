@@ -6,7 +6,7 @@
 
 namespace mapjoin::fuzz {
 
-/// Read in small pieces is read as a whole.
+/// Runs the reader on the whole text and on small pieces of it, which must give the same log, or the same error.
 void g2o(std::string_view bytes) {
   const auto [options, piece_bytes] = choices(bytes);
   const TextScanner text("log.g2o", bytes);

@@ -11,14 +11,14 @@
 namespace mapjoin::fuzz {
 namespace {
 
-/// How many edges and observations there are.
+/// The number of edges and observations.
 std::size_t size_of(const AnyLog& any) {
   return std::visit([](const auto& log) { return log.edges().size() + log.observations().size(); }, any);
 }
 
 using Part = Expected<std::optional<AnyLog>>;
 
-/// Counts what has come; false where it is wrong.
+/// Adds the size of a part to `taken`; false if the part is an error.
 bool take(const Part& part, const std::string& file, std::size_t& taken) {
   if (!part) check_error(part.error(), file);
   if (!part || !*part) return part.has_value();
@@ -29,7 +29,7 @@ bool take(const Part& part, const std::string& file, std::size_t& taken) {
 
 }  // namespace
 
-/// Bytes that arrive piece by piece are what they are together.
+/// Follows a file whose bytes arrive piece by piece, which must give the log of all of them.
 void growing_g2o(std::string_view bytes) {
   static const testing::TemporaryFolder folder;
   const auto [options, eighth] = choices(bytes);

@@ -6,7 +6,7 @@
 
 namespace mapjoin::fuzz {
 
-/// Bytes are given as they are, or inflated up to the limit.
+/// Reads a file, whose bytes must be given as they are, or inflated up to the limit.
 void gzip(std::string_view bytes) {
   constexpr std::size_t kMost = 1 << 16;
   static const testing::TemporaryFolder folder;

@@ -8,7 +8,7 @@
 namespace mapjoin::fuzz {
 
 void check_local_map(const char* name, std::string_view bytes, LocalMapFormat written) {
-  // Most inputs are no map, which is sooner said without a folder.
+  // Most inputs are no map; to find that without a folder is faster.
   if (const auto file = parse_local_map(name, bytes); !file) return check_error(file.error(), name);
   static Folder folder;
   folder.hold({{name, bytes}});
@@ -21,7 +21,7 @@ void check_round_trip(const AnySubmapSet& any, LocalMapFormat format) {
   static Folder folder;
   folder.hold({});
   const auto write_and_read = [&]<int Dim>(const SubmapSet<Dim>& set) {
-    if (!write_local_maps(set.graph.submaps, set.features, format, folder.path())) return;  // The format has no words for them.
+    if (!write_local_maps(set.graph.submaps, set.features, format, folder.path())) return;  // The format cannot hold them.
     const auto read = read_local_map_set(folder.path());
     promise(read.has_value(), "what was written reads back: " + (read ? "" : read.error().message));
     check_maps(*read);

@@ -51,8 +51,8 @@ void expect(const Expected<void>& checked) {
   promise(checked.has_value(), checked ? "" : checked.error().message);
 }
 
-/// Indices and numbers are right, poses are named once, features ascend, sessions hold every pose, observations are in the
-/// order of their pose.
+/// Checks that indices and numbers are right, poses are named once, features ascend, sessions hold every pose, observations are
+/// in the order of their poses, and initial values and stamps are there for all or for none.
 template <int Dim>
 void check_one(const Log<Dim>& log) {
   SubmapSet<Dim> set;
@@ -129,9 +129,9 @@ void check_round_trip(const AnyLog& any, LogFormat format) {
   const auto path = folder.path() / "written";
   const auto write_and_read = [&](const auto& log) {
     const bool has_edges = !log.odometry().empty() || !log.closures().empty();
-    if (!has_edges && log.observations().empty() && log.initial.poses.empty()) return;  // There is nothing to write.
-    if (!has_edges && format == LogFormat::kGtsam) return;                              // Taken for iSAM's without an edge.
-    if (!write_log(log, format, path)) return;                                          // The format has no words for it.
+    if (!has_edges && log.observations().empty() && log.initial.poses.empty()) return;  // Nothing to write.
+    if (!has_edges && format == LogFormat::kGtsam) return;  // Read as iSAM's format without an edge.
+    if (!write_log(log, format, path)) return;              // The format cannot hold it.
     const auto read = open_log(path);
     promise(read.has_value(), "what was written reads back: " + (read ? "" : read.error().message));
     check_log(*read);

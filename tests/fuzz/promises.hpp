@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What every reader promises of any bytes, beyond not to crash.
+// The promises that every reader keeps on any bytes, beyond not to crash.
 
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
@@ -11,26 +11,26 @@
 
 namespace mapjoin::fuzz {
 
-/// Throws std::logic_error where it is not kept.
+/// Throws std::logic_error unless the promise is kept.
 void promise(bool kept, std::string_view what);
 
-/// An error is one line that a terminal takes as text, and begins with the file, or with its folder.
+/// Checks that an error is one line of printable text, and begins with the file or its folder.
 void check_error(const Error& error, const std::string& file);
 
-/// The same log or the same maps have the same bits.
+/// The names and numbers of a log or of maps as bytes, to compare them bit by bit.
 std::string bits_of(const AnyLog& log);
 std::string bits_of(const AnySubmapSet& set);
 
-/// Everything is finite, and as Log promises.
+/// Checks that everything is finite, and as Log promises.
 void check_log(const AnyLog& log);
-/// Indices, sizes and information matrices of the maps are right.
+/// Checks indices, sizes and information matrices of maps.
 void check_maps(const AnySubmapSet& set);
 
-/// What was read, or why not, is as it should be.
+/// Checks what was read, or the error.
 void check(const Expected<AnyLog>& log, const std::string& file);
 void check(const Expected<AnySubmapSet>& set, const std::string& file);
 
-/// A log that the format can be written in reads back; with the same bits, where nothing is said to be lost.
+/// Checks that a log that the format can hold reads back when written: with the same bits if losses() names none.
 void check_round_trip(const AnyLog& log, LogFormat format);
 
 }  // namespace mapjoin::fuzz

@@ -6,7 +6,7 @@
 
 namespace mapjoin::fuzz {
 
-/// What a stranger's store holds keeps the promises of the model.
+/// Reads a stranger's store, whose content must keep the promises of the model.
 void store(std::string_view bytes) {
   static const testing::TemporaryFolder folder;
   const auto path = folder.file("maps.db", bytes);

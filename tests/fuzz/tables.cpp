@@ -9,7 +9,7 @@
 namespace mapjoin::fuzz {
 namespace {
 
-/// Poses 0 to 4 in a row, a second apart.
+/// A log of poses 0 to 4 in a row, a second apart.
 Log<2> five_poses() {
   LogBuilder<2> builder("log");
   for (std::uint64_t k = 0; k < 5; ++k) {
@@ -39,7 +39,7 @@ void stamps(std::string_view bytes) {
   promise(log.stamps_ns.size() == log.poses.size(), "every pose has a time");
 }
 
-/// The fixes, and what they make of a log.
+/// Reads fixes, and attaches them to a log.
 void gps_csv(std::string_view bytes) {
   const auto fixes = read_gps_csv(bytes, "fixes.csv");
   if (!fixes) return check_error(fixes.error(), "fixes.csv");

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The fuzz targets: a function over any bytes for every reader. Each throws where its reader does not keep what it promises.
+// The fuzz targets: a function over any bytes for every reader, which throws if the reader breaks a promise.
 
 #include <string_view>
 
 namespace mapjoin::fuzz {
 
-// Texts of logs. A first line `#OP`, a comment to the readers, chooses how: see choices.hpp.
+// Texts of logs. For all but the last two, a first line `#OP`, a comment to the readers, chooses their options: see
+// choices.hpp.
 void g2o(std::string_view bytes);
 void growing_g2o(std::string_view bytes);
 void toro(std::string_view bytes);
@@ -21,11 +22,12 @@ void gps_csv(std::string_view bytes);
 // Several files in one input: see folder.hpp.
 void mrclam(std::string_view bytes);
 void local_map_folder(std::string_view bytes);
-// Local maps by themselves, named localmap_1.
+// Single local maps, named localmap_1.
 void local_map_text(std::string_view bytes);
 void local_map_mat(std::string_view bytes);
+// Logs as MAT files.
 void mat_log(std::string_view bytes);
-// Files as they are.
+// Files as they are; any_log() takes its options from a first line `#OP`.
 void gzip(std::string_view bytes);
 void archive(std::string_view bytes);
 void store(std::string_view bytes);

@@ -5,7 +5,7 @@
 
 namespace mapjoin::fuzz {
 
-/// TUM's as a log and as a list of poses, and KITTI's.
+/// Reads a trajectory of TUM's as a log and as a list of poses, or one of KITTI's.
 void trajectory(std::string_view bytes) {
   const TextScanner text("poses.txt", bytes);
   const auto kitti = read_kitti_log(text, {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The public data sets, joined and polished: what is known of their optima must come out.
+// The public data sets, joined and polished, against what is known of their optima.
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/local_maps/local_map_set.hpp>
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Optimum{"sim-35188/localmaps_txt.tar.gz", 10315.6331, 1e-3}, Optimum{"sim-535/local_maps", 7.832, 1e-3},
                       Optimum{"small-local-maps-5-truth", 21.068, 1e-3}, Optimum{"small-local-maps-64", 4975.918, 1e-2}));
 
-/// Ceres, started from the result, finds less than a millionth of chi2 to gain.
+/// Expects Ceres to agree on chi2 and, started from the result, to gain less than a millionth of it.
 template <int Dim, typename Input>
 void expect_ceres_gains_nothing(const Input& input, const RunResult<Dim>& result) {
   const Values<Dim> state{result.map.poses, result.map.features};

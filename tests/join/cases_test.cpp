@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Logs that were joined wrongly once (data/cases).
+// Logs that are hard to join (data/cases).
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/open.hpp>
@@ -17,7 +17,7 @@ using ::testing::TestWithParam;
 
 struct Figures {
   RunFigures run;
-  std::string error;  // where there is no map
+  std::string error;  // empty if there is a map
 };
 
 Figures figures_of(const std::filesystem::path& file, const RunOptions& options) {
@@ -67,7 +67,7 @@ TEST(Cases, AMapHasConvergedWhereNothingIsLeftToGainHoweverItWasFound) {
   EXPECT_TRUE(figures_of_case("tight_1433.g2o", RunOptions{}).run.converged());
 }
 
-/// A line of so many steps of 1 m that strays to both sides, and a closure from its first pose to its last that pulls at it.
+/// A line of `steps` steps of 1 m that strays to both sides, with a closure from its first pose to its last that stretches it.
 Log<2> stretched_line(std::uint32_t steps) {
   const Matrix<3> W = Vector<3>(400.0, 400.0, 2500.0).asDiagonal();
   LogBuilder<2> builder("line");

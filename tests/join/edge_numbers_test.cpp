@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers and logs at the edge of what there is: the map is exact there too, or one sentence says why there is none.
+// Extreme numbers and logs: the map is exact there, too, or one sentence says why there is none.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,7 +29,7 @@ class EdgeNumbers : public ::testing::Test {
   }
   static Values<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
 
-  /// In maps of any length, the optimum of a dense solver that begins at the truth.
+  /// Expects the optimum of a dense solver that begins at the truth, with local maps of any length.
   static void expect_optimum(const SmallWorld<kDim>& world) {
     const auto slam = full_slam(world.log);
     const Values<kDim> optimum = slam.optimum(world.truth);
@@ -43,14 +43,14 @@ class EdgeNumbers : public ::testing::Test {
       EXPECT_NEAR(result->chi2, chi2, 1e-9 * chi2 + 1e-12);
     }
   }
-  /// Edges and observations that `change` has seen.
+  /// A world with `change` applied to each edge and observation.
   template <typename Change>
   static SmallWorld<kDim> changed(SmallWorld<kDim> world, const Change& change) {
     for (auto& o : world.log.graph.pose_factors) change(o);
     for (auto& o : world.log.graph.feature_factors) change(o);
     return world;
   }
-  /// A world whose robot takes the path given; odometry and observations are within `noise` of the truth.
+  /// A world whose robot takes `path`; each coordinate of odometry and observations is within `noise` of the truth.
   static SmallWorld<kDim> world_of(const std::vector<Pose<kDim>>& path, const std::vector<Point<kDim>>& features, double noise,
                                    double range = 4.0) {
     testing::Random random(11);
@@ -64,7 +64,7 @@ class EdgeNumbers : public ::testing::Test {
     for (const FeatureId& id : world.log.features) world.truth.features.push_back(features[id.key]);
     return world;
   }
-  /// A round of `steps` steps of a metre.
+  /// A path of `poses` poses on a circle, each turn of which has `steps` steps of a metre.
   static std::vector<Pose<kDim>> rounds(int poses, int steps) {
     Pose<kDim> step;
     step.translation[0] = 1.0;
@@ -164,7 +164,7 @@ TYPED_TEST(EdgeNumbers, TheUnitOfInformationDoesNotMatter) {
   const auto world = small_world<kDim>();
   const auto plain = run(world.log, this->maps_of(5.0));
   ASSERT_TRUE(plain);
-  for (const double scale : {1e-11, 1e9}) {  // Information from 1e-8 to 1e12.
+  for (const double scale : {1e-11, 1e9}) {  // information from 1e-8 to 1e12
     const auto scaled = this->changed(world, [&](auto& o) { o.information *= scale; });
     const auto result = run(scaled.log, this->maps_of(5.0));
     ASSERT_TRUE(result) << scale << ": " << result.error().message;
@@ -202,7 +202,7 @@ TYPED_TEST(EdgeNumbers, FeaturesAtTheRobotsOwnPlace) {
   for (std::size_t k = 0; k < path.size(); k += 3) features.push_back(path[k].translation);
   this->expect_optimum(this->world_of(path, features, 0.02));
   this->expect_optimum(this->world_of(path, features, 0.0));
-  this->expect_optimum(this->world_of(path, features, 0.0, 1e-6));  // Seen from there alone.
+  this->expect_optimum(this->world_of(path, features, 0.0, 1e-6));  // each is seen from its own place only
 }
 
 TYPED_TEST(EdgeNumbers, PosesThatNeverMove) {

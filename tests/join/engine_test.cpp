@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every engine ends at the same optimum.
+// Engines all end at the same optimum.
 #include <gtest/gtest.h>
 
 #include <mapjoin/join/run.hpp>
@@ -25,7 +25,7 @@ class EngineTest : public ::testing::Test {
     EXPECT_TRUE(result) << result.error().message;
     return *std::move(result);
   }
-  /// A difference of two estimates, in standard deviations of each entry: the largest.
+  /// The largest entry of a difference of two estimates, in standard deviations of that entry.
   static double in_deviations(const Eigen::VectorXd& difference, const Eigen::MatrixXd& covariance) {
     double most = 0.0;
     for (Eigen::Index i = 0; i < difference.size(); ++i) {

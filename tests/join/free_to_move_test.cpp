@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small logs that leave something free, each with its message.
+// Small logs that leave something free to move, each with its message.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// What a run says of a log in the plane; "" where it ends well.
+/// The error of a run on a log in the plane; empty if there is none.
 std::string said_of(const std::string& g2o) {
   const testing::TemporaryFolder folder;
   const auto log = open_log(folder.file("log.g2o", g2o));

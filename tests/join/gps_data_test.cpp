@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Victoria Park with the fixes of its receiver: what they do for the map, and which of them are found to be wrong.
+// Victoria Park with the fixes of its receiver: their effect on the map, and the wrong ones among them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,8 +20,8 @@
 namespace mapjoin::testing {
 namespace {
 
-constexpr double kDeviation = 1.0;  // (m): half of the fixes are within 0.92 m of the map that does not know them
-constexpr double kBlock = 30.0;     // (s)
+constexpr double kDeviation = 1.0;  // (m): half of the fixes held out are within 0.92 m of the map
+constexpr double kBlock = 30.0;     // (s): fixes are held out in stretches of this length
 const Point<3> kLever(3.87, 0.47, 0.0);
 
 class VictoriaParkGps : public ::testing::Test {
@@ -39,7 +39,7 @@ class VictoriaParkGps : public ::testing::Test {
     const auto file = data_file("vicpark-raw/aa3_gpsx.mat");
     const auto bytes = FileBytes::read(file).value();
     const auto mat = read_mat(bytes.view(), file, {"timeGps", "Lo_m", "La_m"}).value();
-    const GeographicFrame park({-33.885, 151.19, 0.0});  // The file has metres; where in the world, does not matter.
+    const GeographicFrame park({-33.885, 151.19, 0.0});  // the file has metres; their place on Earth does not matter
     fixes_.source = file;
     for (Eigen::Index k = 0; k < mat.at("timeGps").size(); ++k) {
       const Point<3> local(mat.at("Lo_m")(k), mat.at("La_m")(k), 0.0);
@@ -53,7 +53,7 @@ class VictoriaParkGps : public ::testing::Test {
     const auto time = std::get<std::int64_t>(fixes_.fixes[attached_.lines[prior] - 1].when);
     return static_cast<std::size_t>(1e-9 * static_cast<double>(time) / kBlock);
   }
-  /// How far the antenna of a map is from a fix (m).
+  /// The distance of the antenna from a fix, in a map that `frame` moves (m).
   double error(std::size_t prior, const GlobalMap<2>& map, const Pose<2>& frame = {}) const {
     const PoseFactor<2>& fix = log_.pose_priors()[prior];
     return (transform(frame, transform(map.poses[fix.target], fix.lever)) - fix.measured.translation).norm();
@@ -120,7 +120,7 @@ TEST_F(VictoriaParkGps, FixesThatAreMovedAreNamed) {
     if (moved.contains(f)) {
       ++right;
     } else if (!wrong_before.contains(f)) {
-      ++named_wrongly;  // what is wrong as the file has it was not moved, and is named all the same
+      ++named_wrongly;  // fixes that are wrong in the file itself are rightly named
     }
   }
   const double precision = static_cast<double>(right) / static_cast<double>(right + named_wrongly);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps that the fixes of a satellite receiver hold.
+// Maps held by the fixes of a satellite receiver.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -25,7 +25,7 @@ class JoinTest : public ::testing::Test {
   static constexpr int kDim = D::value;
 
   static Values<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
-  /// Without the elimination of submap-local features.
+  /// The submap graph of a set with its submap-local features, which submap_graph_of() eliminates.
   static SubmapGraph<kDim> restored(const SubmapSet<kDim>& set) {
     SubmapGraph<kDim> graph = submap_graph_of(set);
     graph.maps.clear();
@@ -100,7 +100,7 @@ TYPED_TEST(JoinTest, SaysWhereEveryMapEnds) {
     EXPECT_EQ(joined->maps[m].end, set.graph.submaps[m].poses.back());
     most = std::max(most, set.graph.submaps[m].poses.size());
   }
-  EXPECT_GT(most, 1u);  // some keep others, too
+  EXPECT_GT(most, 1u);  // some maps keep other poses, too
 }
 
 TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {
@@ -117,7 +117,7 @@ TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {
 }
 
 TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
-  // As where an author's map has no motion: its end is its start, and the next map has the same base.
+  // The first map has no motion, as some authors have them: its end is its base, and that of the next map.
   constexpr int kDim = TestFixture::kDim;
   testing::Random random(3);
   SubmapSet<kDim> set;
@@ -136,7 +136,7 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
   set.segments = {{0, 0, true}, {0, 1, true}};
   const auto joined = run(set, RunOptions{});
   ASSERT_TRUE(joined) << joined.error().message;
-  double chi2 = 0.0;  // of the means: half the squared differences
+  double chi2 = 0.0;  // of the means of the two maps: half the squared differences
   for (std::size_t f = 0; f < 3; ++f) {
     const Point<kDim> difference = set.graph.submaps[0].feature_estimates[f] - set.graph.submaps[1].feature_estimates[f];
     chi2 += 0.5 * difference.squaredNorm();
@@ -175,7 +175,7 @@ TYPED_TEST(JoinTest, TakesTheMapsOfASetThatIsGivenAway) {
   for (const PoseIndex p : indices(kept->map.poses)) {
     EXPECT_EQ(given->map.poses[p].translation, kept->map.poses[p].translation);
   }
-  // The covariances own all that they need: the set is gone.
+  // The covariances own all that they need, though the set is gone.
   Truth<kDim> truth;
   for (const auto& pose : kept->map.poses) truth.poses.push_back(pose);
   for (const auto& feature : kept->map.features) truth.features.push_back(feature);
@@ -193,7 +193,7 @@ TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
     RunOptions options;
     options.schedule = schedule;
     options.progress = [&](Stage stage, std::size_t done, std::size_t to_do) {
-      if (stage == Stage::kCovariances) return;  // of the verdict
+      if (stage == Stage::kCovariances) return;  // of the verdict, after the joins
       EXPECT_EQ(stage, Stage::kJoin);
       EXPECT_EQ(done, ++last);
       total = to_do;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Five robots that see landmarks and each other, against motion capture: together, and each alone.
+// Five robots that see landmarks and each other, together and each alone, against motion capture.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@
 namespace mapjoin::testing {
 namespace {
 
-/// The ATE (m) of a robot's poses in a map of it or of several.
+/// The absolute trajectory error of a robot's poses in a map of it or of several robots (m).
 double error_of(std::uint32_t session, const GlobalMap<2>& map, const Trajectory& truth) {
   std::vector<Pose<2>> estimated, captured;
   for (const PoseIndex p : indices(map.poses)) {
@@ -32,13 +32,13 @@ double error_of(std::uint32_t session, const GlobalMap<2>& map, const Trajectory
   return absolute_trajectory_error<2>(estimated, captured).errors.translation.rms;
 }
 
-/// Of the log of a folder less what is wrong: barcodes were misread.
+/// The map of the log in a folder without outliers, such as misread barcodes.
 GlobalMap<2> map_of(const std::filesystem::path& folder) {
   const auto log = std::get<Log<2>>(read_mrclam(folder).value());
   return run(find_inliers(log, {}).value().input, without_verdict()).value().map;
 }
 
-/// The lines of subjects that are landmarks.
+/// The lines of a file of barcodes whose subjects are landmarks.
 std::string barcodes_of_landmarks(const std::filesystem::path& file) {
   const auto bytes = FileBytes::read(file).value();
   std::string text;
@@ -51,7 +51,7 @@ std::string barcodes_of_landmarks(const std::filesystem::path& file) {
 
 TEST(MrclamRobots, AreTogetherNoFartherFromTheMotionCaptureThanAlone) {
   const auto data = data_file("mrclam6");
-  const TemporaryFolder strangers;  // who do not know each other's barcodes
+  const TemporaryFolder strangers;  // robots that do not know each other's barcodes
   for (const auto& entry : std::filesystem::directory_iterator(data)) {
     if (entry.path().filename() != "Barcodes.dat")
       std::filesystem::create_symlink(entry.path(), strangers.path() / entry.path().filename());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What range and bearing alone can tell of the landmarks of MRCLAM 6, which stand 0.18 m from each other, where all else is
+// The landmarks of MRCLAM 6, most of them 0.18 m from the next one, told apart by range and bearing alone while all else is
 // known: a bound for any association without barcodes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -47,13 +47,13 @@ std::vector<Seen> sightings_of(const mrclam::Team& team, std::uint64_t robot, co
   return sightings;
 }
 
-/// Measured range and bearing less those of a landmark.
+/// The measured range and bearing less those of a landmark (m, rad).
 Point<2> residual(const Seen& seen, const Point<2>& landmark) {
   const Point<2> p = seen.from.rotation.matrix().transpose() * (landmark - seen.from.translation);
   return {seen.measured[0] - p.norm(), std::remainder(seen.measured[1] - std::atan2(p.y(), p.x()), 2.0 * std::numbers::pi)};
 }
 
-/// The bias and the standard deviation of range and bearing, by their medians: barcodes may be misread.
+/// The bias and the standard deviation of range and bearing (m, rad), by medians, for barcodes may be misread.
 struct Noise {
   Point<2> bias;
   Point<2> deviation;
@@ -66,12 +66,12 @@ Noise noise_of(const std::vector<Seen>& sightings, const Landmarks& landmarks) {
     for (const Seen& seen : sightings) residuals.push_back(residual(seen, landmarks.at(seen.landmark))[k]);
     noise.bias[k] = median(residuals);
     for (double& r : residuals) r = std::abs(r - noise.bias[k]);
-    noise.deviation[k] = 1.4826 * median(residuals);  // of a normal distribution
+    noise.deviation[k] = 1.4826 * median(residuals);  // the standard deviation of a normal distribution
   }
   return noise;
 }
 
-/// Each sighting with the landmark whose residual is the most likely.
+/// The score of associating each sighting with the landmark whose residual is the most likely.
 PairScore score_of_most_likely(const std::vector<Seen>& sightings, const Landmarks& landmarks) {
   const Noise noise = noise_of(sightings, landmarks);
   std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;

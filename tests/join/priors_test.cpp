@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Logs whose poses and features the World has priors of, as g2o files give them: the optimum is that of Ceres.
+// Logs with priors of poses and features, as g2o files have them, against the optimum of Ceres.
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/g2o/g2o.hpp>
@@ -18,7 +18,8 @@ class Priors : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// The log of a world somewhere in the World, with priors of positions, of a whole pose and of features, from a file.
+  /// The log of `world` in a random frame, written to a file and read from it, with priors of positions, of a whole pose and of
+  /// features.
   static Log<kDim> log_from_file(const SmallWorld<kDim>& world) {
     Random random(7);
     const Pose<kDim> frame = random.pose<kDim>(100.0, 1.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What must not matter to a map: the order in which things are said, what they are called, and where the frame is. Over random
-// worlds, states and schedules; RC_PARAMS says how many (rapidcheck).
+// Invariances of a map: to the order of observations and of local maps, to ids, and to the frame; over random worlds, states
+// and schedules (rapidcheck; RC_PARAMS says how many).
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -18,7 +18,7 @@ namespace {
 using testing::small_world;
 using testing::WorldOptions;
 
-constexpr double kSame = 1e-9;  ///< Relative.
+constexpr double kSame = 1e-9;  ///< Tolerance relative to chi2, or to the size of the map.
 
 WorldOptions any_world() {
   WorldOptions options;
@@ -38,7 +38,7 @@ RunOptions any_run() {
   options.split = {SplitRule::kPoses, static_cast<double>(*rc::gen::inRange(1, 12))};
   options.state = *rc::gen::element(JoinedState::kAbsolute, JoinedState::kRelative);
   options.schedule = *rc::gen::elementOf(testing::every<Schedule>());
-  options.solver.relative_chi2 = 1e-11;  // Less is lost in the rounding of chi2.
+  options.solver.relative_chi2 = 1e-11;  // a smaller gain is lost in the rounding of chi2
   options.solver.step_metres = options.solver.step_radians = 1e-11;
   return options;
 }
@@ -54,13 +54,13 @@ std::vector<std::size_t> any_order(std::size_t count) {
   return order;
 }
 
-/// What poses and features are called, by their index.
+/// The ids of poses and features, by their index.
 struct Names {
   PoseIds poses;
   FeatureIds features;
 };
 
-/// The same said in other words, and in another order. The World holds pose `held` at `frame`.
+/// The log with `names` as its ids and its factors in random order, pose `held` fixed at `frame`.
 template <int Dim>
 Log<Dim> said_otherwise(const Log<Dim>& log, const Names& names, PoseIndex held, const Pose<Dim>& frame) {
   LogBuilder<Dim> builder("said otherwise");
@@ -79,7 +79,7 @@ Log<Dim> said_otherwise(const Log<Dim>& log, const Names& names, PoseIndex held,
   return std::move(builder).finish().value();
 }
 
-/// A map with its poses and features in the order of `names`.
+/// The estimates of a map in the order of `names`.
 template <int Dim>
 Values<Dim> in_order(const GlobalMap<Dim>& map, const Names& names) {
   Values<Dim> state;
@@ -94,7 +94,7 @@ Values<Dim> in_order(const GlobalMap<Dim>& map, const Names& names) {
   return state;
 }
 
-/// The largest difference relative to the size of the map.
+/// The largest difference of two states, relative to the size of the map.
 template <int Dim>
 double difference(const Values<Dim>& a, const Values<Dim>& b) {
   double size = 1.0;
@@ -102,7 +102,7 @@ double difference(const Values<Dim>& a, const Values<Dim>& b) {
   return testing::largest_difference(a, b) / size;
 }
 
-/// A world of which every feature is seen.
+/// The log of a random world; `names` becomes its ids.
 template <int Dim>
 Log<Dim> any_log(Names& names) {
   const Log<Dim> log = small_world<Dim>(any_world()).log;
@@ -110,14 +110,14 @@ Log<Dim> any_log(Names& names) {
   return log;
 }
 
-/// A batch of relative steps by continuation: it finds the optimum from everywhere.
+/// The map of a log; a batch join in relative coordinates goes by continuation, which finds the optimum from everywhere.
 template <int Dim>
 Expected<RunResult<Dim>> map_of(const Log<Dim>& log, RunOptions options) {
   options.gradual = options.schedule == Schedule::kBatch && options.state == JoinedState::kRelative;
   return run(log, options);
 }
 
-/// Both logs have the same map, that of `other` seen from `frame`; or neither can be solved.
+/// Expects both logs to have the same map, that of `other` moved by `frame`, or neither to have one.
 template <int Dim>
 void expect_same_map(const Log<Dim>& log, const Names& names, const Log<Dim>& other, const Names& other_names,
                      const Pose<Dim>& frame) {
@@ -138,7 +138,7 @@ void expect_same_map(const Log<Dim>& log, const Names& names, const Log<Dim>& ot
 template <typename D>
 class MapProperty : public ::testing::Test {
  protected:
-  /// The same worlds every time, unless the environment asks for others.
+  /// Seeds rapidcheck, so that the worlds are the same every time, unless the environment does.
   static void SetUpTestSuite() { ::setenv("RC_PARAMS", "seed=1", 0); }
 };
 TYPED_TEST_SUITE(MapProperty, testing::Dimensions);
@@ -158,7 +158,7 @@ TYPED_TEST(MapProperty, NamesDoNotMatter) {
     Names names;
     const Log<kDim> log = any_log<kDim>(names);
     Names others = names;
-    for (auto& id : others.poses) id.key = 3 * id.key + 17;  // Odometry is known by the order of names.
+    for (auto& id : others.poses) id.key = 3 * id.key + 17;  // odometry is told from closures by the order of ids
     const auto order = any_order(names.features.size());
     for (std::size_t k = 0; k < order.size(); ++k) others.features[FeatureIndex(k)] = {~std::uint64_t{0} - order[k] * order[k]};
     expect_same_map<kDim>(log, names, said_otherwise<kDim>(log, others, 0, {}), others, {});
@@ -170,7 +170,7 @@ TYPED_TEST(MapProperty, TheOrderOfTheMapsDoesNotMatter) {
   EXPECT_TRUE(rc::check([] {
     Names names;
     const Log<kDim> log = any_log<kDim>(names);
-    // Segments of poses in another order, and with them the local maps; what was odometry between two of them is a closure.
+    // Segments of poses are in another order, and with them the local maps; an edge between two of them is a closure then.
     const std::size_t length = *rc::gen::inRange<std::size_t>(2, 12);
     const auto order = any_order(names.poses.size() / length + 1);
     Names others = names;

@@ -26,8 +26,8 @@ struct Joining {
   static constexpr int kPosesPerMap = PosesPerMap;
 };
 
-/// A join of local maps, or of single observations, and closures, some edges stored against their direction, somewhere beside
-/// its optimum.
+/// A join of local maps, or of single observations, and closures, some edges stored against their direction, at a state off its
+/// optimum.
 template <typename J>
 class RelativeStateTest : public ::testing::Test {
  protected:
@@ -161,7 +161,7 @@ TYPED_TEST(RelativeStateTest, BothStatesHaveOneOptimum) {
   RunOptions options;
   options.split = {SplitRule::kPoses, TypeParam::kPosesPerMap};
   for (const auto method : testing::every<Method>()) {
-    // By the same method, which builds the same local maps, each to its own last step.
+    // One method for both, for local maps of two methods differ in their last digits.
     options.solver.method = method;
     options.state = JoinedState::kAbsolute;
     options.schedule = Schedule::kAuto;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run does at its limits: bad logs, stops on request, and any number of threads.
+// A run at its limits: bad logs, stops on request, a limit on iterations, and any number of threads.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -91,7 +91,7 @@ TYPED_TEST(RunLimitsTest, SessionsTiedByTooFewFeaturesAreNotDetermined) {
 
 TYPED_TEST(RunLimitsTest, StopsInEveryStage) {
   const auto world = small_world<TestFixture::kDim>();
-  for (const auto stage : {Stage::kBuild, Stage::kJoin, Stage::kRecover, Stage::kPolish}) {
+  for (const auto stage : {Stage::kBuild, Stage::kJoin, Stage::kRecover, Stage::kPolish, Stage::kCovariances}) {
     std::stop_source stop;
     RunOptions options = this->short_maps();
     options.progress = [&](Stage at, std::size_t, std::size_t) {

@@ -37,7 +37,7 @@ class RunTest : public ::testing::Test {
   }
   static Values<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
 
-  /// The result against the dense optimum of the whole log: every pose and feature, chi2, and no gradient left.
+  /// Expects the dense optimum of the whole log: every pose and feature, chi2, and no gradient left.
   static void expect_full_slam(const SmallWorld<kDim>& world, const Expected<RunResult<kDim>>& result) {
     ASSERT_TRUE(result) << result.error().message;
     const auto slam = full_slam(world.log);
@@ -61,7 +61,7 @@ TEST(Run, RefinesToTheSameMapWithinMicrometresHoweverTheLogIsSplit) {
     options.split = {SplitRule::kPoses, poses};
     const auto map = run(log, options).value().map;
     maps.push_back(Values<2>{map.poses, map.features});
-    EXPECT_LT(largest_difference(maps.front(), maps.back()), 4e-6) << poses;  // a third of what a join's accuracy leaves
+    EXPECT_LT(largest_difference(maps.front(), maps.back()), 4e-6) << poses;  // a third of what a join alone leaves
   }
 }
 
@@ -121,7 +121,7 @@ TYPED_TEST(RunTest, SessionsTiedByFeaturesAloneAreJoined) {
 }
 
 TYPED_TEST(RunTest, ASessionThatIsTiedOnlyToALaterOneIsJoined) {
-  // Sessions 0 and 2 share features, session 1 shares some with session 2 only: it meets the others last.
+  // Sessions 0 and 2 share features, and session 1 shares others with session 2 only, so that it meets session 0 last.
   constexpr int kDim = TestFixture::kDim;
   auto world = small_world<kDim>({.poses = 20, .features = 36, .sessions = 3, .seed = 4});
   std::erase_if(world.log.graph.feature_factors, [&](const auto& o) {
@@ -228,7 +228,6 @@ TYPED_TEST(RunTest, DegreesOfFreedomDoNotDependOnTheSplit) {
   }
 }
 
-/// Nobody sees it, but it is in the log, and must not stay where it is not.
 TYPED_TEST(RunTest, AFeatureThatOnlyTheWorldMentionsIsWhereItSays) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = small_world<kDim>();

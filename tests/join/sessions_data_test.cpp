@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Public data cut into sessions, each a file in a random frame and with pose ids of its own. Tied by the names of features they
-// have the optimum of the whole less the odometry that was cut.
+// Public data cut into sessions: logs in random frames with pose ids of their own, or folders of local maps. Tied by the ids of
+// features, logs have the optimum of the whole log without the edges between sessions.
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/formats/log_format.hpp>
@@ -47,7 +47,7 @@ std::vector<Cut> cuts(const std::vector<std::string>& paths) {
   std::vector<Cut> all;
   for (const std::string& path : paths) {
     for (const std::size_t sessions : {2U, 3U, 5U, 10U}) {
-      const bool falls_apart = path.starts_with("dlr/") && sessions == 10;  // five of ten share no disc with the others
+      const bool falls_apart = path.starts_with("dlr/") && sessions == 10;  // five of ten share no feature with the others
       if (!falls_apart) all.push_back({path, sessions});
     }
   }

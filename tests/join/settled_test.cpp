@@ -8,15 +8,17 @@
 namespace mapjoin {
 namespace {
 
-/// What a way found, or that it met something singular.
+/// The solve by one way of joining.
 struct Found {
   MinimiseResult result;
   double largest_rotation = 0.0;
   bool is_settled = false;
+  std::optional<bool> is_confirmed;
   Schedule way = Schedule::kAuto;
 };
 
-/// A solve that converged at this chi2, so many steps of which gained less than promised, and turned a pose so far.
+/// A solve that converged at `chi2`, after `short_steps` steps that gained less than promised, with a pose turned by
+/// `largest_rotation` (rad).
 Found found(double chi2, int short_steps, double largest_rotation) {
   Found found;
   found.result.status = MinimiseStatus::kConverged;
@@ -26,7 +28,7 @@ Found found(double chi2, int short_steps, double largest_rotation) {
   return found;
 }
 
-/// Finds by each way what is given for it; bad input where nothing is.
+/// Ways of joining that find what is given for each; bad input by the others.
 class Ways {
  public:
   explicit Ways(std::map<Schedule, Found> found) : found_(std::move(found)) {}
@@ -42,7 +44,7 @@ class Ways {
           return found;
         },
         [](Found& found) {
-          return SolveByWay{found.result, found.largest_rotation, found.is_settled};
+          return SolveByWay{found.result, found.largest_rotation, found.is_settled, found.is_confirmed};
         });
   }
 
@@ -89,6 +91,21 @@ TEST(BestOfWays, GoesOnWhereTheFirstOrALaterOneIsSingular) {
   EXPECT_THAT(none.tried, ElementsAre(kAligned, kTree));
 }
 
+TEST(BestOfWays, ConfirmsWhatSettlesItselfOrTwoEndAtFromNearBy) {
+  EXPECT_EQ(Ways({{kAligned, found(9.0, 1, 0.5)}}).best()->is_confirmed, true);
+  EXPECT_EQ(Ways({{kAligned, found(9.0, 1, 2.0)}, {kTree, found(8.0, 0, 2.0)}}).best()->is_confirmed, true);
+  EXPECT_EQ(Ways({{kAligned, found(9.0, 1, 2.0)}, {kTree, found(9.0, 1, 0.5)}}).best()->is_confirmed, true);
+}
+
+TEST(BestOfWays, DoesNotConfirmTheBestOfOptimaThatDifferOrOneThatIsFarFromEveryStart) {
+  const Found aligned = found(9.0, 1, 2.0);
+  EXPECT_EQ(Ways({{kAligned, aligned}, {kTree, found(8.0, 1, 0.5)}, {kUnbalanced, found(7.0, 1, 2.0)}}).best()->is_confirmed,
+            false);
+  EXPECT_EQ(Ways({{kAligned, aligned}, {kTree, found(9.0, 1, 2.0)}, {kUnbalanced, found(9.0, 1, 2.0)}}).best()->is_confirmed,
+            false);
+  EXPECT_EQ(Ways({{kAligned, aligned}}).best()->is_confirmed, false);
+}
+
 TEST(BestOfWays, EndsAtOtherErrors) {
   int calls = 0;
   const auto interrupted = best_of_ways<Found>(
@@ -97,7 +114,7 @@ TEST(BestOfWays, EndsAtOtherErrors) {
         return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
       },
       [](Found& found) {
-        return SolveByWay{found.result, found.largest_rotation, found.is_settled};
+        return SolveByWay{found.result, found.largest_rotation, found.is_settled, found.is_confirmed};
       });
   EXPECT_EQ(interrupted.error().kind, ErrorKind::kInterrupted);
   EXPECT_EQ(calls, 1);

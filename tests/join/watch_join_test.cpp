@@ -52,7 +52,7 @@ TYPED_TEST(WatchJoinTest, IsNearTheOptimumOfTheFirstMapsAtEveryStop) {
     std::vector<std::size_t> stops;
     watch_join<kDim>(graph, at_once, [&](std::size_t segments, const JoinedPartialMaps<kDim>& joined) {
       stops.push_back(segments);
-      if (segments == set.graph.submaps.size()) return;  // not yet solved
+      if (segments == set.graph.submaps.size()) return;  // the last join is not solved yet
       ASSERT_EQ(joined.partials.size(), 1U);
       const SubmapSet<kDim> part = this->first(set, segments);
       const auto joined_map = join(submap_graph_of(part), part.poses, part.features, JoinOptions<kDim>{}).value();

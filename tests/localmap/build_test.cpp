@@ -28,7 +28,7 @@ class BuildTest : public ::testing::Test {
     slam.free_features = view.features;
     return slam;
   }
-  /// The truth seen from the start of the segment.
+  /// The truth in the frame of the pose `base`.
   static Values<kDim> seen_from(PoseIndex base, const Values<kDim>& truth) { return moved(inverse(truth.pose(base)), truth); }
 
   testing::SmallWorld<kDim> world = small_world<kDim>({.reversed_odometry = true});
@@ -99,7 +99,7 @@ TYPED_TEST(BuildTest, MapsComeInTheOrderOfTheirSegments) {
 
 TYPED_TEST(BuildTest, ASegmentThatItsOwnObservationsDoNotDetermineStaysRaw) {
   constexpr int kDim = TestFixture::kDim;
-  // A step without any information of its length: only what other maps say of it can tell.
+  // A step without information on its length, which only other maps could determine.
   auto& step = this->world.log.graph.pose_factors[10];
   step.information.row(0).setZero();
   step.information.col(0).setZero();

@@ -16,12 +16,12 @@ class ChainSystemTest : public ::testing::Test {
  protected:
   static constexpr int kDof = kPoseDof<D::value>;
 
-  /// A random chain of `length` poses with `border` further entries, and the same as a dense matrix.
+  /// Makes a random chain of `length` poses with `border` further entries, and the dense matrix that equals it.
   void make(Eigen::Index length, Eigen::Index border) {
     system = ChainSystem<D::value>(length, border);
     const Eigen::Index chain = length * kDof;
     const Eigen::Index size = chain + border;
-    // J of observations that tie a pose to its neighbour and to the whole border.
+    // Jacobians of observations that tie a pose to its neighbour and to the whole border.
     dense = Eigen::MatrixXd::Identity(size, size);
     for (Eigen::Index k = 0; k < length; ++k) {
       Eigen::MatrixXd J = Eigen::MatrixXd::Zero(kDof, size);
@@ -95,7 +95,7 @@ TYPED_TEST(ChainSystemTest, DampingScalesTheDiagonalAlone) {
   EXPECT_LT((this->solution() - expected).norm(), 1e-11 * expected.norm());
 }
 
-TYPED_TEST(ChainSystemTest, SaysWhereAChainPoseIsNotDetermined) {
+TYPED_TEST(ChainSystemTest, SaysThatAChainPoseIsNotDetermined) {
   this->make(3, 2);
   this->system.diagonal_block(1).setZero();
   EXPECT_FALSE(this->system.eliminate_chain());
@@ -105,7 +105,7 @@ TYPED_TEST(ChainSystemTest, APoseThatOnlyRoundingDeterminesIsNotDetermined) {
   constexpr int kDof = TestFixture::kDof;
   this->make(2, 0);
   this->system.coupling(0).setZero();
-  // Singular along (1, -1, 0, …) but for the last digit.
+  // A pose block that is singular along (1, -1, 0, …) but for the last digit.
   this->system.diagonal_block(1) = 1e4 * Matrix<kDof>::Identity();
   this->system.diagonal_block(1)(0, 1) = this->system.diagonal_block(1)(1, 0) = 1e4 * (1.0 - 1e-16);
   EXPECT_FALSE(this->system.eliminate_chain());

@@ -17,7 +17,7 @@ class MarginaliseTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// A map from pose 0 of poses 1 and 2 and of features 0..4, with a dense information.
+  /// Makes a map from pose 0 of poses 1 and 2 and of features 0 to 4, with a dense information matrix.
   void SetUp() override {
     map.poses = {1, 2};
     map.pose_estimates = {random.pose<kDim>(), random.pose<kDim>()};
@@ -61,7 +61,7 @@ TYPED_TEST(MarginaliseTest, LeavesTheMarginalOfWhatStays) {
   const auto marginalised = marginalise(this->map, this->is_local);
   EXPECT_EQ(marginalised.map.features, (std::vector<FeatureIndex>{0, 2}));
   EXPECT_EQ(marginalised.local_features, (std::vector<FeatureIndex>{1, 3, 4}));
-  // The covariance of what stays is a block of the covariance of all.
+  // The covariance of the marginal is a block of the covariance of the whole map.
   const Eigen::MatrixXd P = this->map.information.inverse();
   std::vector<Eigen::Index> stay;
   for (Eigen::Index row = 0; row < 2 * kPoseDof<kDim> + kDim; ++row) stay.push_back(row);
@@ -96,7 +96,7 @@ TYPED_TEST(MarginaliseTest, ChangesNothingWithoutLocalFeatures) {
 
 TYPED_TEST(MarginaliseTest, AFeatureWhoseOwnInformationIsSingularStays) {
   constexpr int kDim = TestFixture::kDim;
-  const Eigen::Index row = 2 * kPoseDof<kDim> + kDim;  // of feature 1
+  const Eigen::Index row = 2 * kPoseDof<kDim> + kDim;  // the first row of feature 1
   this->map.information.row(row).setZero();
   this->map.information.col(row).setZero();
   const auto marginalised = marginalise(this->map, this->is_local);

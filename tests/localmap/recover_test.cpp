@@ -30,7 +30,7 @@ class RecoverTest : public ::testing::Test {
     for (const FeatureIndex f : indices(seen_in)) is_local[f] = seen_in[f].size() == 1;
     ASSERT_GT(std::count(is_local.begin(), is_local.end(), true), 0);
   }
-  /// Interior poses and submap-local features moved to nowhere.
+  /// The state with interior poses and submap-local features moved far away.
   Values<kDim> forgotten(Values<kDim> state) const {
     for (const PoseIndex p : indices(state.poses)) {
       if (!parts.kept[p]) state.poses[p].translation.setConstant(1e3);
@@ -59,7 +59,7 @@ TYPED_TEST(RecoverTest, FindsTheLeastChi2GivenWhatIsHeld) {
   constexpr int kDim = TestFixture::kDim;
   auto state = this->forgotten(this->world.truth);
   recover_interiors(this->world.log, this->parts, this->is_local, {}, state);
-  // The dense problem with what is kept held where the truth has it.
+  // The dense problem with kept poses and shared features held at the truth.
   auto slam = testing::full_slam(this->world.log);
   std::erase_if(slam.free_poses, [&](PoseIndex pose) { return this->parts.kept[pose]; });
   std::erase_if(slam.free_features, [&](FeatureIndex feature) { return !this->is_local[feature]; });
@@ -75,7 +75,7 @@ TYPED_TEST(RecoverTest, BeginsWhereOdometryLeadsFromWhatIsKept) {
     if (!this->parts.kept[p]) state.poses[p] = Pose<kDim>{Point<kDim>::Constant(1e3), {}};
   }
   MinimiseOptions one_step;
-  one_step.max_iterations = 1;  // where nothing is wrong, odometry leads to the optimum
+  one_step.max_iterations = 1;  // without noise, odometry leads to the optimum
   EXPECT_EQ(recover_interiors(this->world.log, this->parts, this->is_local, one_step, state), 0U);
   EXPECT_LT(largest_difference(state, this->world.truth), 1e-9);
 }
@@ -94,6 +94,10 @@ TYPED_TEST(RecoverTest, LeavesWhatIsKeptUntouched) {
   for (const PoseIndex p : indices(state.poses)) {
     if (!this->parts.kept[p]) continue;
     EXPECT_EQ(local(state.poses[p], this->world.truth.poses[p]).norm(), 0.0);
+  }
+  for (const FeatureIndex f : indices(state.features)) {
+    if (this->is_local[f]) continue;
+    EXPECT_EQ(state.features[f], this->world.truth.features[f]);
   }
 }
 

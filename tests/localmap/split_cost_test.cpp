@@ -16,7 +16,7 @@ class SplitCostTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
   static constexpr double kDof = kPoseDof<kDim>;
-  /// Ten poses in a row, of which every other one sees one feature more: pose 2 k sees features 0 to k.
+  /// Ten poses in a row, without noise: pose 2 k sees features 0 to k, the others see none.
   static Log<kDim> widening_corridor() {
     auto log = small_world<kDim>({.poses = 10, .features = 0, .closures = 0, .noise = 0.0}).log;
     for (std::uint64_t f = 0; f < 5; ++f) log.features.push_back({f});
@@ -27,11 +27,11 @@ class SplitCostTest : public ::testing::Test {
     }
     return log;
   }
-  /// Per step, of a map of `steps` with `m` variables in its border; it is in the join once, and built.
+  /// The cost per step of joining and building a map of `steps` steps with `m` scalar variables in its border.
   static double of_a_map(double steps, double m) { return (joining(m) + building(steps, m)) / steps; }
-  /// Per step of the widening corridor, joined step by step.
+  /// The cost per step of the widening corridor joined step by step.
   static double of_single_steps() {
-    double cost = 4.0 * joining(2.0 * kDof);  // of poses that see nothing
+    double cost = 4.0 * joining(2.0 * kDof);  // of steps from poses that see nothing
     for (const double features : {1.0, 2.0, 3.0, 4.0, 5.0}) cost += joining(2.0 * kDof + kDim * features);
     return cost / 9.0;
   }
@@ -44,7 +44,7 @@ TYPED_TEST(SplitCostTest, IsThatOfTheBorderWhereEachFeatureCountsOnce) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
   const Table<PoseIndex, bool> nothing_kept(log.poses.size(), false);
-  // The one map of nine steps: its ends, and five features that its poses see fifteen times.
+  // The border of the one map of nine steps: its ends, and five features, which its poses see fifteen times.
   const double m = 2.0 * T::kDof + T::kDim * 5.0;
   EXPECT_NEAR(cost_per_step(log, nothing_kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
 }
@@ -62,7 +62,7 @@ TYPED_TEST(SplitCostTest, IsSummedOverSegmentsOfWhichEachCountsItsOwnFeatures) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
   double expected = 0.0;
-  for (const double features : {2.0, 3.0, 5.0}) {  // of poses 0 to 2, 3 to 5 and 6 to 9
+  for (const double features : {2.0, 3.0, 5.0}) {  // seen from poses 0 to 2, 3 to 5 and 6 to 9
     expected += T::of_a_map(3.0, 2.0 * T::kDof + T::kDim * features) / 3.0;
   }
   EXPECT_NEAR(cost_per_step(log, Table<PoseIndex, bool>(log.poses.size(), false), 3), expected, 1e-9 * expected);
@@ -114,7 +114,7 @@ TYPED_TEST(SplitCostTest, OneStepIsTakenWhereLongerSegmentsWouldBeNoMaps) {
   constexpr int kDim = TestFixture::kDim;
   auto log = small_world<kDim>({.poses = 190, .features = 0, .closures = 0, .noise = 0.0}).log;
   Table<PoseIndex, bool> kept(log.poses.size(), true);
-  kept[21] = kept[22] = kept[23] = false;  // makes a map of one of many windows, cheaper by less than a hundredth
+  kept[21] = kept[22] = kept[23] = false;  // one of many windows becomes a map, which saves less than a hundredth
   EXPECT_EQ(cheapest_poses_per_map(log, kept, 0.0), 1);
 }
 

@@ -19,7 +19,7 @@ template <typename D>
 class SplitTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
-  /// `poses` in a row, 1 m apart, nothing seen.
+  /// A log of `poses` poses, about 1 m apart, that see nothing.
   static Log<kDim> corridor(int poses) {
     return small_world<kDim>({.poses = poses, .features = 0, .closures = 0, .noise = 0.0}).log;
   }
@@ -94,15 +94,15 @@ TYPED_TEST(SplitTest, MeasuresDistanceAlongOdometry) {
 TYPED_TEST(SplitTest, CountsDifferentFeatures) {
   auto log = this->corridor(9);
   for (std::uint64_t k = 0; k < 8; ++k) log.features.push_back({k});
-  // Pose k sees features k/2 (again) and 7.
+  // Features k/2 and 7, seen from pose k.
   for (PoseIndex pose = 0; pose < 9; ++pose) {
     log.graph.feature_factors.push_back(this->observation(pose, FeatureIndex(pose.value / 2)));
     log.graph.feature_factors.push_back(this->observation(pose, 7));
   }
   const auto parts = split(log, {SplitRule::kFeatures, 3.0});
   ASSERT_EQ(parts.segments.size(), 4u);
-  EXPECT_EQ(parts.segments[0], (Segment{0, 3, true}));  // 0, 7, 1 after pose 2
-  EXPECT_EQ(parts.segments[1], (Segment{3, 5, true}));  // 1, 7, 2 after pose 4
+  EXPECT_EQ(parts.segments[0], (Segment{0, 3, true}));  // features 0, 7 and 1 from pose 0 to pose 2
+  EXPECT_EQ(parts.segments[1], (Segment{3, 5, true}));  // features 1, 7 and 2 from pose 3 to pose 4
 }
 
 TYPED_TEST(SplitTest, OneStepStaysRaw) {
@@ -127,8 +127,8 @@ TYPED_TEST(SplitTest, ASegmentThatWouldKeepMostOfItsPosesStaysRaw) {
   for (PoseIndex pose = 1; pose <= 5; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 15));
   log.graph.pose_factors.push_back(this->edge(6, 15));
   const auto parts = split(log, {SplitRule::kPoses, 10.0});
-  EXPECT_FALSE(parts.segments[0].is_map);  // 6 of 9 inner poses
-  EXPECT_TRUE(parts.segments[1].is_map);   // 1 of 9
+  EXPECT_FALSE(parts.segments[0].is_map);  // keeps 6 of 9 inner poses
+  EXPECT_TRUE(parts.segments[1].is_map);   // keeps 1 of 9 inner poses
   EXPECT_EQ(std::count(parts.kept.begin(), parts.kept.begin() + 11, true), 11);
 }
 
@@ -136,7 +136,7 @@ TYPED_TEST(SplitTest, AMapEliminatesHalfOfItsInnerPosesAtLeast) {
   for (const int closures : {5, 6}) {
     auto log = this->corridor(23);
     for (PoseIndex pose = 1; pose.value <= closures; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 22));
-    const auto parts = split(log, {SplitRule::kPoses, 11.0});  // of 10 inner poses
+    const auto parts = split(log, {SplitRule::kPoses, 11.0});  // with 10 inner poses
     EXPECT_EQ(parts.segments[0].is_map, closures == 5);
   }
 }
@@ -176,7 +176,7 @@ TYPED_TEST(SplitTest, ASegmentKnowsItsInteriorItsKeptPosesAndItsFeatures) {
   EXPECT_EQ(first.features, (Table<FeatureIndex, FeatureIndex>{1, 3}));  // pose 5 belongs to the next segment
   EXPECT_EQ(first.place(FeatureIndex(3)), FeatureIndex(1));
   const SegmentView<kDim> last = segment_view(log, parts, parts.segments[1]);
-  EXPECT_EQ(last.features, (Table<FeatureIndex, FeatureIndex>{0, 2}));  // which takes those of the last pose, too
+  EXPECT_EQ(last.features, (Table<FeatureIndex, FeatureIndex>{0, 2}));  // the last segment takes those of the last pose, too
   EXPECT_EQ(last.poses(), 6u);
 }
 
@@ -187,7 +187,7 @@ TYPED_TEST(SplitTest, EveryLocalMapIsInOneShare) {
   const std::size_t maps = map_segments(parts.segments).size();
   for (const std::size_t count : {1u, 3u, 5u, 40u}) {
     std::vector<int> owners(parts.segments.size(), 0);
-    std::vector<std::size_t> shares;  // of the maps, in order
+    std::vector<std::size_t> shares;  // the maps of each share, in its order
     for (std::size_t k = 0; k < count; ++k) {
       const auto segments = segments_of({k, count}, parts);
       const std::size_t own = map_segments(segments).size();

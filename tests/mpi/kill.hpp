@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Ranks of `mpirun` that are killed.
+// Calls of `mpirun` one of whose ranks is killed.
 
 #include <signal.h>
 
@@ -17,7 +17,7 @@
 
 namespace mapjoin::testing {
 
-/// The processes that a process has started.
+/// The children of a process.
 inline std::vector<::pid_t> children_of(::pid_t parent) {
   std::vector<::pid_t> children;
   std::error_code gone;
@@ -28,7 +28,7 @@ inline std::vector<::pid_t> children_of(::pid_t parent) {
   return children;
 }
 
-/// Whether a process runs; one that nobody has asked for its exit code does not.
+/// True if a process runs; one that has ended and that nobody has waited for does not.
 inline bool is_running(::pid_t process) {
   return !content_of("/proc/" + std::to_string(process) + "/cmdline").empty();
 }
@@ -37,16 +37,16 @@ inline void sleep_for(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// The exit code of `mpirun`, whose ranks have ended. After one was killed it may wait for ever in PMIx_server_finalize() (PMIx
-/// 4.2), for a lock within its own process: then it is killed, too.
+/// The exit code of an `mpirun` whose ranks have ended. If one was killed, mpirun may wait for ever in PMIx_server_finalize()
+/// (PMIx 4.2), for a lock within its own process: after ten seconds it is killed, too.
 inline int exit_code_after_ranks(Process& mpirun) {
   for (int tenths = 0; tenths < 100 && mpirun.is_running(); ++tenths) sleep_for(0.1);
   if (mpirun.is_running()) mpirun.send(SIGKILL);
   return mpirun.wait();
 }
 
-/// Calls two ranks, kills one of them once `wait` returns, which is told whether the call is over, and waits until none runs.
-/// Whether the call was done before.
+/// Calls two ranks, kills one of them once `wait`, which can ask whether the call is over, returns, and waits until none runs.
+/// Returns true if the call was done before.
 inline bool kill_one_of_two(const std::vector<std::string>& arguments, std::size_t victim,
                             const std::function<void(const std::function<bool()>& is_over)>& wait) {
   Process process(mpi_command_line(2, arguments));

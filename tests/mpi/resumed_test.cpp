@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ranks killed at random moments, and what goes on from their stores. MAPJOIN_KILLS says how many times.
+// Ranks killed at random moments, and runs that go on from their stores. MAPJOIN_KILLS says how many times.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// In the plane: the numbers of a map's parts agree.
+/// The number of maps in the plane whose information matrix is not of the size of their poses and features.
 constexpr const char* kHalfMaps =
     "SELECT count(*) FROM maps WHERE base IS NOT NULL AND length(information) <> 4 * (3 * (length(poses) / 4) + 2 * "
     "(length(features) / 4)) * (3 * (length(poses) / 4) + 2 * (length(features) / 4) + 1)";
@@ -31,7 +31,8 @@ class Resumed : public RanksTest {
   std::vector<std::string> command(const std::string& name) const {
     return {"run", path("log.g2o"), "-o", path(name + ".g2o"), "--poses-per-map", "20", "--checkpoint", path(name)};
   }
-  /// By the clock, or when the store of the rank has grown to some size.
+  /// Waits for a share of the time of an undisturbed run or, `by_size`, until the store of the rank has grown to that share of
+  /// its size.
   std::function<void(const std::function<bool()>&)> moment(bool by_size, std::size_t rank, double share) const {
     if (!by_size) return [=, this](const auto&) { sleep_for(share * seconds); };
     const std::string store = fmt::format("{}-of-2.maps", rank + 1);
@@ -50,8 +51,8 @@ class Resumed : public RanksTest {
     for (const auto& entry : fs::directory_iterator(path("killed"), none)) count += entry.path().extension() == extension;
     return count;
   }
-  /// What was left is sound: finished stores are, and in the others is what was committed. A copy is looked at, for looking
-  /// rolls back what was not.
+  /// Expects finished stores to be readable, and unfinished ones to hold whole maps. It looks at a copy, for looking rolls back
+  /// what was not committed.
   void expect_sound() const {
     if (!fs::exists(path("killed"))) return;
     fs::copy(path("killed"), path("copy"));
@@ -86,7 +87,7 @@ TEST_F(Resumed, RunsEndAtTheSameMap) {
     const double share = random.uniform(0.0, 1.0);
     SCOPED_TRACE(fmt::format("kill {}: rank {} at {:.3f} of {}", k, victim, share, by_size ? "its store" : "the time"));
     const bool was_done = kill_one_of_two(command("killed"), victim, moment(by_size, victim, share));
-    // A rank may be killed when the map is written already.
+    // A rank that is killed may have written the map already.
     const bool is_written = fs::exists(path("killed.g2o"));
     EXPECT_TRUE(is_written || !was_done);
     EXPECT_TRUE(!is_written || content_of(path("killed.g2o")) == content_of(path("whole.g2o")));

@@ -19,7 +19,7 @@ constexpr int kRanks[] = {1, 2, 4};
 
 class RunOnRanks : public RanksTest {
  protected:
-  /// The optimum of one process is that of any number of ranks.
+  /// Expects any number of ranks to find the optimum of one process.
   static void expect_the_same_optimum(const std::string& log) {
     const auto one = report_of({"run", log, "--no-verdict"});
     for (const int ranks : kRanks) {
@@ -34,7 +34,7 @@ class RunOnRanks : public RanksTest {
     EXPECT_EQ(call({"convert", data_file(file).string(), log}).exit_code, 0);
     return log;
   }
-  /// The log's lines but for one, which is `line` instead.
+  /// A copy of the bundled log whose line `number` is `line` instead.
   std::string with_line(std::size_t number, const std::string& line) const {
     std::istringstream lines(content_of(bundled("manhattan2d.g2o")));
     std::ofstream file(path("changed.g2o"));

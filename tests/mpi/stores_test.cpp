@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The stores of ranks: what goes on from them, and what joins them.
+// Stores of ranks: runs that go on from them, and joins of them.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -28,7 +28,7 @@ class StoresOfRanks : public RanksTest {
     return {"run", log, "-o", map, "--poses-per-map", "20", "--checkpoint", path("stores")};
   }
 
-  /// What is not the last digits of the figures of ranks.
+  /// Expects the report of ranks to be that of one process, but for the last digits of chi2.
   static void expect_the_same(const nlohmann::json& ranks, const nlohmann::json& one) {
     for (const char* what : {"dimension", "convention", "poses", "features", "odometry", "closures", "observations", "priors",
                              "fixed_poses", "dof", "gauge"}) {

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# A user's program in ./consumer, with the package libmapjoin-dev installed: by pkg-config, then by CMake. Every header can be included.
+# With the package libmapjoin-dev installed: includes every header, then builds and runs the user's program in ./consumer, by pkg-config
+# and by CMake.
 set -e
 cd "$(dirname "$0")/consumer"
 (cd /usr/include && find mapjoin -name '*.hpp') | sed 's/.*/#include <&>/' >all.cpp

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# fresh_debian.sh PACKAGES INCLUDE SCRIPT [FOLDER]: runs the script in a Debian 12 that has nothing but what INCLUDE (names of packages,
-# between commas) asks for, ours from the folder PACKAGES. mmdebstrap makes that system and throws it away; where it cannot (no network,
-# no rights) the test says so and is skipped.
+# fresh_debian.sh PACKAGES INCLUDE SCRIPT [FOLDER]: runs the script, with a copy of FOLDER beside it, in a minimal Debian 12 with the
+# packages INCLUDE (names between commas), ours from the folder PACKAGES. mmdebstrap makes that system and throws it away; if it cannot
+# (no network, no rights) the test says so and is skipped.
 set -euo pipefail
-unset CMAKE_CXX_COMPILER_LAUNCHER # that of this machine
+unset CMAKE_CXX_COMPILER_LAUNCHER # absent from the new system
 packages=$(realpath "$1") include=$2 script=$(realpath "$3")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-# An archive of its own, so that apt finds what the packages depend on. dpkg unpacks within the new system: hence copy:, not file:.
+# An archive of our packages, so that apt installs what they depend on; copy:, not file:, since dpkg unpacks within the new system.
 cp "$packages"/*.deb "$folder"
 (cd "$folder" && dpkg-scanpackages --multiversion . >Packages)
 mirrors=("deb http://deb.debian.org/debian bookworm main" "deb http://deb.debian.org/debian bookworm-updates main"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# A stranger's path, with the package mapjoin installed: a log, its map, a page to look around in.
+# A new user's first steps with the package mapjoin installed: a log, its map, and a page that shows it.
 set -e
 cd /usr/share/doc/mapjoin
 mapjoin run data/manhattan2d.g2o -o /root/map

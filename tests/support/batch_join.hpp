@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The join of all parts at once, which joining them one by one is compared with.
+// Joins of all parts at once, to compare incremental joins with.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,8 @@ SubmapSet<Dim> set_of_all(const std::vector<SubmapUpdate<Dim>>& parts) {
   return set_of(all);
 }
 
-/// Its state is by the indices of set_of(). Its system looks into a set that is gone: only its equations may be used.
+/// The join of parts at once; its state has the indices of set_of(). Only the equations of its system may be used: the set that
+/// the system refers to is gone.
 template <int Dim>
 Join<Dim> batch_join(const std::vector<const SubmapUpdate<Dim>*>& parts, const Pose<Dim>& origin = {}) {
   const SubmapSet<Dim> set = set_of(parts);
@@ -33,7 +34,7 @@ Join<Dim> batch_join(const std::vector<const SubmapUpdate<Dim>*>& parts, const P
   return join(graph, set.poses, set.features, options).value();
 }
 
-/// The optimum that a join of the first `count` parts reaches.
+/// The chi2 that a join of the first `count` parts at once reaches.
 template <int Dim>
 double batch_chi2(const std::vector<SubmapUpdate<Dim>>& parts, std::size_t count) {
   std::vector<const SubmapUpdate<Dim>*> first;
@@ -41,7 +42,8 @@ double batch_chi2(const std::vector<SubmapUpdate<Dim>>& parts, std::size_t count
   return batch_join(first).result.chi2;
 }
 
-/// Adds part after part; at every k-th step chi2 must be within 1 % + 0.5 of the batch optimum, the project's promise.
+/// Adds part after part, and expects chi2 within 1 % + 0.5 of the batch optimum, the project's promise, at every k-th step and
+/// the last.
 template <int Dim>
 void expect_optimal_at_every_kth_step(const std::vector<SubmapUpdate<Dim>>& parts, std::size_t k) {
   IncrementalJoin<Dim> joined;

@@ -9,7 +9,7 @@
 namespace mapjoin::testing {
 namespace {
 
-/// Ceres' own parameters: a rotation is its heading in the plane, its quaternion (w, x, y, z) in space.
+/// The number of Ceres' parameters of a rotation: its heading in the plane, its quaternion (w, x, y, z) in space.
 template <int Dim>
 inline constexpr int kRotationSize = Dim == 2 ? 1 : 4;
 
@@ -40,13 +40,13 @@ std::array<double, Dim> to_array(const Point<Dim>& p) {
   return a;
 }
 
-/// A with AᵀA = W.
+/// A square root A of W: AᵀA = W.
 Eigen::MatrixXd square_root(const Eigen::MatrixXd& W) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(W);
   return eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// `p` turned by the inverse of `rotation`.
+/// The point `p` turned by the inverse of `rotation`.
 template <typename T>
 std::array<T, 2> turned_back(const T* rotation, const std::array<T, 2>& p) {
   using std::cos, std::sin;
@@ -62,7 +62,7 @@ std::array<T, 3> turned_back(const T* rotation, const std::array<T, 3>& p) {
   return turned;
 }
 
-/// `p` turned by `rotation`.
+/// The point `p` turned by `rotation`.
 template <typename T>
 std::array<T, 2> turned(const T* rotation, const std::array<double, 2>& p) {
   using std::cos, std::sin;
@@ -78,7 +78,7 @@ std::array<T, 3> turned(const T* rotation, const std::array<double, 3>& p) {
   return out;
 }
 
-/// The rotation part of the residual, Log((R_bᵀ R_t)ᵀ R̂).
+/// Writes the rotation part of the residual, Log((R_bᵀ R_t)ᵀ R̂), to `error`.
 template <typename T>
 void rotation_error(const std::array<double, 1>& measured, const T* base, const T* target, T* error) {
   using std::floor;
@@ -96,12 +96,12 @@ void rotation_error(const std::array<double, 4>& measured, const T* base, const 
   ceres::QuaternionToAngleAxis(difference, error);
 }
 
-/// The whitened residual of a local map. Parameters: translation and rotation of the base (unless it is the World), of each
+/// The whitened residual of a local map. Parameters: translation and rotation of the base (unless it is the World) and of each
 /// kept pose, then the features.
 template <int Dim>
 class MapError {
  public:
-  /// The positions of poses are measured at the end of the lever.
+  /// Takes the positions of poses as measured at the end of `lever`.
   MapError(const LocalMap<Dim>& map, const Point<Dim>& lever)
       : root_(square_root(map.information)), from_world_(map.base == kWorld), lever_(to_array<Dim>(lever)) {
     for (const Pose<Dim>& pose : map.pose_estimates) {

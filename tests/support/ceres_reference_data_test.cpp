@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The published optima, found by readers and reference optimiser alone: what the library's own optimum is compared with.
+// Optima of public data sets, found by readers and reference optimiser alone, to compare the library's own optima with.
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/local_maps/local_map_set.hpp>

@@ -12,7 +12,7 @@ template <typename D>
 class CeresReferenceTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
-  /// A chain with a closure and two features, observed without noise, and its true values; pose 0 is the origin.
+  /// Makes a chain with a closure and two features, observed without noise, and its true values; pose 0 is the origin.
   void SetUp() override {
     truth.poses.resize(4);
     for (PoseIndex i = 1; i < 4; ++i) truth.poses[i] = random.pose<kDim>();
@@ -93,7 +93,7 @@ TYPED_TEST(CeresReferenceTest, TwoMeasurementsOfOneStepMeetAtTheirWeightedMean) 
 
 TYPED_TEST(CeresReferenceTest, AMapOfSeveralTargetsIsOneObservation) {
   constexpr int kDim = TestFixture::kDim;
-  // The rows of separate observations as one map with a block-diagonal information: the same chi2.
+  // One map with a block-diagonal information matrix has the chi2 of separate observations.
   Log<kDim>& log = this->log;
   log.graph.pose_factors.resize(1);
   log.graph.feature_factors.resize(1);

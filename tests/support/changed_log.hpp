@@ -8,13 +8,13 @@
 
 namespace mapjoin::testing {
 
-/// Makes a closure wrong by so much (m).
+/// Shifts the measurement of a closure along x.
 template <int Dim>
 void spoil_closure(Log<Dim>& log, std::size_t closure, double metres) {
   log.graph.pose_factors[log.odometry().size() + closure].measured.translation[0] += metres;
 }
 
-/// Makes an observation wrong by so much (m).
+/// Shifts an observation along x.
 template <int Dim>
 void spoil_observation(Log<Dim>& log, std::size_t observation, double metres) {
   log.graph.feature_factors[observation].measured[0] += metres;

@@ -14,7 +14,7 @@ PoseVector<Dim> normal_step(RandomStream& random) {
   return PoseVector<Dim>::NullaryExpr([&] { return random.normal(); });
 }
 
-/// A consistent world with closures: whatever it says is as certain as it says.
+/// A simulated world with closures. Errors have the covariances that are stated.
 template <int Dim>
 struct ClosingWorld {
   ClosingWorld(std::int64_t poses, std::uint64_t seed, int closures = 8) : random(seed, 7) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A corridor without an end, map by map: what goes on for as long as one likes at the same cost.
+// An endless corridor, map by map, whose maps all cost the same to join.
 
 #include <malloc.h>
 
@@ -9,13 +9,14 @@
 
 namespace mapjoin::testing {
 
-/// Local maps of one step of 1 m straight ahead: each sees four features, two of which the next one sees, too. Every hundredth
-/// has a closure to the pose of twenty maps before. The features lie at the walls, two for each metre. Every tenth pose is
-/// known in the World, so that nothing drifts, however far it goes.
+/// Local maps of one step of 1 m straight ahead. Features lie at the walls, two for each metre: each map sees four, two of
+/// which the next one sees, too. Every hundredth map ends with a closure from the pose 20 m before. Every tenth pose has a
+/// prior, so that nothing drifts, however long the corridor.
 class Corridor {
  public:
-  static constexpr double kSigma = 0.01;          ///< Claimed of every coordinate (m, rad);
-  static constexpr double kError = 0.5 * kSigma;  ///< the true one: no closure by chance is worth a join of all.
+  static constexpr double kSigma = 0.01;  ///< Stated standard deviation of every coordinate (m, rad).
+  /// True standard deviation: so small that no closure demands a join of all by chance.
+  static constexpr double kError = 0.5 * kSigma;
 
   SubmapUpdate<2> next() {
     SubmapUpdate<2> update;
@@ -57,7 +58,7 @@ class Corridor {
   std::uint64_t next_ = 0;
 };
 
-/// What this process has from the heap and has not given back.
+/// The heap memory of this process in use (bytes).
 inline double bytes_in_use() {
   const auto used = mallinfo2();
   return static_cast<double>(used.uordblks + used.hblkhd);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A small system of which nothing is in the matrix itself: all of it comes in fronts that are given.
+// A small system all of whose entries come in given fronts, none in the matrix itself.
 
 #include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
@@ -8,7 +8,7 @@
 
 namespace mapjoin::testing {
 
-/// Three blocks; each two of them are coupled by a front, which is made when its turn comes.
+/// Three blocks, every two of which are coupled by a given front, which is made when it is needed.
 struct CoupledByFronts {
   explicit CoupledByFronts(Random& random) {
     for (const Eigen::Index size : {4, 3, 2}) pattern.offsets.push_back(pattern.offsets.back() + size);
@@ -28,7 +28,7 @@ struct CoupledByFronts {
   }
   BlockLower pattern;
   std::vector<GivenFront> fronts;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(9, 9);  ///< Their sum.
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(9, 9);  ///< The sum of the fronts.
 };
 
 }  // namespace mapjoin::testing

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The H of a least-squares problem against central differences of its chi2.
+// A check of the H of a least-squares problem against central differences of its chi2.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 namespace mapjoin::testing {
 
-/// H with its curvature is half of the second derivatives of chi2, along random directions; without, it is not.
+/// Expects that H with its curvature is half of the second derivatives of chi2 along random directions, and without it is not.
 template <typename Problem>
 void expect_full_newton(Problem& problem) {
   constexpr double kStep = 1e-4;

@@ -11,14 +11,14 @@
 
 namespace mapjoin::testing {
 
-/// The poses of session k of so many.
+/// The poses of one of `sessions` sessions of equal length.
 template <int Dim>
 IndexRange<PoseIndex> session_of(const Log<Dim>& log, std::size_t session, std::size_t sessions) {
   return {PoseIndex(session * log.poses.size() / sessions), PoseIndex((session + 1) * log.poses.size() / sessions)};
 }
 
-/// Session k of so many as a log of its own: pose ids from 0 on, dead-reckoned in a random frame. The edges that lead out of it
-/// are left out.
+/// One of `sessions` sessions as a log of its own: pose ids from 0 on, initial values by dead reckoning in a random frame,
+/// without the edges that lead out of it.
 template <int Dim>
 Log<Dim> cut_session(const Log<Dim>& log, std::size_t session, std::size_t sessions) {
   const auto own = session_of(log, session, sessions);
@@ -40,7 +40,7 @@ Log<Dim> cut_session(const Log<Dim>& log, std::size_t session, std::size_t sessi
   return std::move(builder).finish().value();
 }
 
-/// The log without the edges between its sessions.
+/// The log without edges between its `sessions` sessions.
 template <int Dim>
 Log<Dim> without_cut_edges(const Log<Dim>& log, std::size_t sessions) {
   LogBuilder<Dim> builder(log.source);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A set of local maps cut into sessions, each a folder of maps that count from 1.
+// A set of local maps cut into sessions, each a folder of maps that are counted from 1.
 
 #include <filesystem>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
@@ -11,7 +11,7 @@
 
 namespace mapjoin::testing {
 
-/// The folders of the sessions, below `folder`.
+/// Writes each session to a folder of its own below `folder`, and returns these folders.
 inline std::vector<std::filesystem::path> cut_maps(const SubmapSet<2>& set, std::size_t sessions,
                                                    const std::filesystem::path& folder) {
   const auto& maps = set.graph.submaps;

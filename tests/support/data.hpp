@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The public data sets, which are not part of this project: a test that needs them skips where they are absent.
+// Public data sets, which are not part of this project: a test that needs them is skipped if they are absent.
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 
 namespace mapjoin::testing {
 
-/// The file or folder `relative` below the folder that the environment variable MAPJOIN_DATA_DIR names. Where it is missing the
-/// running test ends here: it is skipped, or fails where MAPJOIN_REQUIRE_DATA is set. To be called in the body of a test or in
+/// The file or folder `relative` below the folder that the environment variable MAPJOIN_DATA_DIR names. If it is missing the
+/// running test ends here: it is skipped, or fails if MAPJOIN_REQUIRE_DATA is set. To be called in the body of a test or in
 /// SetUp().
 inline std::filesystem::path data_file(const std::string& relative) {
   const char* folder = std::getenv("MAPJOIN_DATA_DIR");

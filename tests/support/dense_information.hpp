@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The information matrix of everything at once, dense and with nothing eliminated, to invert and compare covariances with.
+// The dense information matrix of all observations, with nothing eliminated, to compare covariances with its inverse.
 
 #include <Eigen/Core>
 #include <mapjoin/model/factor.hpp>
@@ -10,7 +10,7 @@
 
 namespace mapjoin::testing {
 
-/// Poses first, then features; rows of held poses are cut out before inverting.
+/// A dense information matrix over poses, then features.
 template <int Dim>
 class DenseInformation {
  public:
@@ -19,16 +19,17 @@ class DenseInformation {
   void add(const PoseFactor<Dim>& o);
   void add(const FeatureFactor<Dim>& o);
   void add(const LocalMap<Dim>& map);
-  /// Adds a quadratic form over entries of the state.
+  /// Adds a quadratic form over these entries of the state.
   void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& information);
 
   const Eigen::MatrixXd& information() const { return H_; }
   Eigen::Index pose_row(PoseIndex pose) const { return pose == kWorld ? -1 : pose.value * kPoseDof<Dim>; }
   Eigen::Index feature_row(FeatureIndex feature) const { return pose_row(indices(state_.poses).last) + feature.value * Dim; }
 
-  /// Of everything but the held poses, whose rows are zero. In extended precision: what is compared with it is not.
+  /// The covariance with some poses held, whose rows are zero; inverted in extended precision, to be more exact than what is
+  /// compared with it.
   Eigen::MatrixXd inverse(const std::vector<PoseIndex>& held) const;
-  /// The same in coordinates y of as many entries, T = ∂x/∂y; held poses are held in both.
+  /// The covariance in coordinates y of as many entries, T = ∂x/∂y, with the same poses held in x and y; their rows are zero.
   Eigen::MatrixXd inverse(const std::vector<PoseIndex>& held, const Eigen::MatrixXd& T) const;
 
  private:

@@ -12,7 +12,8 @@
 
 namespace mapjoin::testing {
 
-/// A LeastSquaresProblem over a dense vector; r(x) = -residual to the measured zero. Records chi2 at every estimate.
+/// A LeastSquaresProblem over a dense vector x with the residual r(x) = -h(x): h was measured as zero. Records chi2 at every
+/// linearisation.
 class DenseProblem {
  public:
   using Function = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
@@ -45,7 +46,7 @@ class DenseProblem {
     for (Eigen::Index i = 0; i < pivots.size(); ++i) {
       if (!(pivots[i] > 1e-14 * damped(i, i))) return Variable(i);
     }
-    if (llt_.info() != Eigen::Success) return Variable(1);  // of two variables, the second one's pivot
+    if (llt_.info() != Eigen::Success) return Variable(1);  // the pivot of the second of two variables
     return std::nullopt;
   }
   Eigen::VectorXd solve() const { return llt_.solve(g_); }
@@ -73,12 +74,12 @@ inline Eigen::VectorXd rosenbrock(const Eigen::VectorXd& x) {
   return Eigen::Vector2d(10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]);
 }
 
-/// Gauss-Newton steps away from its minimum at 0.
+/// A function whose minimum, at 0, Gauss-Newton steps away from if it starts beyond 1.4.
 inline Eigen::VectorXd arctangent(const Eigen::VectorXd& x) {
   return Eigen::VectorXd::Constant(1, std::atan(x[0]));
 }
 
-/// Of a minimisation that does not end before it has to.
+/// Options of a minimisation that goes on to the last digits of chi2.
 inline MinimiseOptions to_the_end(Method method) {
   MinimiseOptions options;
   options.method = method;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The covariances of relations against the inverse of the information in relative coordinates, dense.
+// A check of the covariances of relations against the dense inverse of the information matrix in relative coordinates.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,8 @@
 
 namespace mapjoin::testing {
 
-/// ∂x_abs/∂x_rel. Rows and columns as in `layout`; those of a pose that hangs from the World are its own.
+/// The Jacobian ∂x_abs/∂x_rel, rows and columns as in `layout`. A pose or feature whose parent is the World depends on its own
+/// relation alone.
 template <int Dim>
 Eigen::MatrixXd J_absolute_relative(const Relations<Dim>& relations, const DenseInformation<Dim>& layout) {
   constexpr int kDof = kPoseDof<Dim>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The relative joined state densely: every Jacobian of (26)-(29) and (35) written out along the paths of the tree.
+// The relative joined state, dense: every Jacobian of the paper's (26)-(29) and (35) along the paths of the tree.
 
 #include <map>
 #include <mapjoin/join/joining_system.hpp>
@@ -11,8 +11,8 @@
 
 namespace mapjoin::testing {
 
-/// J_rel, W and r of all observations of a joining system at its estimate, about which it has just been linearised. A
-/// relation's columns are where its child's are in the absolute state.
+/// The dense J_rel, W and r of all observations of a joining system, which must just have been linearised at its estimate. A
+/// relation has the columns that its child has in the absolute state.
 template <int Dim>
 class DenseRelative {
  public:
@@ -56,13 +56,13 @@ class DenseRelative {
     return state;
   }
 
-  Eigen::MatrixXd T;  ///< ∂x_abs/∂x_rel.
-  Eigen::MatrixXd J;  ///< J_rel.
+  Eigen::MatrixXd T;  ///< The Jacobian ∂x_abs/∂x_rel.
+  Eigen::MatrixXd J;  ///< The Jacobian J_rel of all observations.
   Eigen::MatrixXd W;
   Eigen::VectorXd r;
   Eigen::MatrixXd H;
   Eigen::VectorXd g;
-  Eigen::MatrixXd D;  ///< The information that each edge's observation has of its relation.
+  Eigen::MatrixXd D;  ///< The information of each edge's observation on its relation.
 
  private:
   Eigen::Index entry(PoseIndex place) const {
@@ -132,7 +132,7 @@ class DenseRelative {
   }
   template <typename Child>
   void weigh(const TreeEdge<Child>& edge, Eigen::Index child, int dof) {
-    if (!edge.observation) {  // all that is known of the child
+    if (!edge.observation) {  // no observation of this edge alone: H of the child, as RelativeState takes it
       D.block(child, child, dof, dof) = system_.equations().diagonal().segment(child, dof).asDiagonal();
       return;
     }
@@ -150,8 +150,9 @@ class DenseRelative {
   const JoiningSystem<Dim>& system_;
   const Values<Dim>& state_;
   SpanningTree tree_;
-  std::vector<Eigen::Index> first_row_;                                            // per factor
-  std::map<std::size_t, std::pair<Eigen::Index, std::size_t>> first_feature_row_;  // of maps, with the number of their poses
+  std::vector<Eigen::Index> first_row_;  // of each factor
+  /// The first row of the features of a map, by its factor, and the number of its poses.
+  std::map<std::size_t, std::pair<Eigen::Index, std::size_t>> first_feature_row_;
 };
 
 }  // namespace mapjoin::testing

@@ -11,7 +11,7 @@
 namespace mapjoin::testing {
 namespace {
 
-/// Log of a rotation matrix, apart from the library's rotations.
+/// The Log of a rotation matrix, computed without the library's rotations.
 Vector<1> rotation_log(const Matrix<2>& R) {
   return Vector<1>(std::atan2(R(1, 0), R(0, 0)));
 }
@@ -29,7 +29,7 @@ Point<Dim> moved_by(const Point<Dim>& point, const Eigen::VectorXd& step) {
   return step.size() == 0 ? point : Point<Dim>(point + step);
 }
 
-/// The entries of a step that move one of those that are free, the first of which has the entry `first`.
+/// The entries of a step that move `one` of the `free` variables, whose entries begin at `first`; none if it is not free.
 template <typename Index>
 std::vector<Eigen::Index> entries_of(Index one, const std::vector<Index>& free, Eigen::Index first, int dof) {
   const auto place = std::ranges::find(free, one) - free.begin();

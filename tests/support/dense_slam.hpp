@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Full SLAM the plain way: one dense system with Jacobians by differences, to check the structured solvers against.
+// Full SLAM as one dense system with numerical Jacobians, to check the structured solvers against.
 
 #include <Eigen/Core>
 #include <mapjoin/model/log.hpp>
@@ -9,13 +9,13 @@
 
 namespace mapjoin::testing {
 
-/// X̂ - H(X) of the paper's (10) and (11), by rotation matrices.
+/// The residual X̂ - H(X) of the paper's (10) and (11), by rotation matrices.
 template <int Dim>
 Eigen::VectorXd plain_residual(const Pose<Dim>& measured, const Pose<Dim>& base, const Pose<Dim>& target);
 template <int Dim>
 Eigen::VectorXd plain_residual(const Point<Dim>& measured, const Pose<Dim>& base, const Point<Dim>& target);
 
-/// chi2(x ⊕ δ) ≈ chi2 - 2 gᵀδ + δᵀHδ.
+/// Normal equations: chi2(x ⊕ δ) ≈ chi2 - 2 gᵀδ + δᵀHδ.
 struct DenseEquations {
   Eigen::MatrixXd H;
   Eigen::VectorXd g;
@@ -34,15 +34,15 @@ struct DenseSlam {
   Eigen::Index size() const;
   Values<Dim> moved(Values<Dim> state, const Eigen::VectorXd& step) const;
   DenseEquations linearise(const Values<Dim>& state) const;
-  /// Gauss-Newton to the last digit; the start must be good.
+  /// The optimum by Gauss-Newton, to the last digits; the start must be good.
   Values<Dim> optimum(Values<Dim> state) const;
 };
 
-/// All that a log says; pose 0 is held, or what the World fixes, or nothing where it has priors.
+/// All observations of a log. Its fixed poses are held, or pose 0 if it has neither fixed poses nor priors.
 template <int Dim>
 DenseSlam<Dim> full_slam(const Log<Dim>& log);
 
-/// What is left of H and g over the entries that stay when the others are eliminated.
+/// The normal equations over the entries that stay, after the others were eliminated.
 DenseEquations eliminated(const DenseEquations& equations, const std::vector<Eigen::Index>& out,
                           const std::vector<Eigen::Index>& stay);
 

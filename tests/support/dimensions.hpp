@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What a typed test suite runs over: the plane and space. In a test the dimension is TypeParam::value.
+// The types of a typed test suite: the plane and space. In a test the dimension is TypeParam::value.
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Every value of an enum, as its table of words has them.
+// All values of an enum, from its table of names.
 
 #include <mapjoin/model/enum_names.hpp>
 #include <vector>

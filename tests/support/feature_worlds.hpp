@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Maps of features in frames of their own, with their truth: robots drive through a world and see what is near.
+// Maps of features in frames of their own, with their truth: robots drive through a world and see the features nearby.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -18,21 +18,21 @@ enum class Layout { kRandom, kJittered, kLattice, kBlocks };
 
 struct FeatureWorldOptions {
   Layout layout = Layout::kRandom;
-  double side = 40.0;    ///< Of the square or cube (m).
-  double spacing = 3.0;  ///< One feature in so large a cell in the mean (m).
-  double range = 8.0;    ///< Of the sensor (m).
-  double noise = 0.05;   ///< Of a feature (m).
-  double drift = 0.02;   ///< Of a step, along an axis (m).
-  double turn = 0.002;   ///< Of a step (rad).
+  double side = 40.0;    ///< Side of the square or cube (m).
+  double spacing = 3.0;  ///< Side of a cell that holds one feature on average (m).
+  double range = 8.0;    ///< Range of the sensor (m).
+  double noise = 0.05;   ///< Standard deviation of a feature's coordinates (m).
+  double drift = 0.02;   ///< Standard deviation of a step along each axis (m).
+  double turn = 0.002;   ///< Standard deviation of a step's rotation about each axis (rad).
 };
 
-/// Where features stand.
+/// The places of all features of a world.
 template <int Dim>
 std::vector<Point<Dim>> feature_world(const FeatureWorldOptions& options, RandomStream& random) {
   const auto cells = static_cast<int>(options.side / options.spacing);
-  constexpr int kBlock = 4;  // cells
+  constexpr int kBlock = 4;  // side of a block (cells)
   const auto uniform = [&] { return random.uniform(-0.5, 0.5); };
-  std::vector<Point<Dim>> block;  // offsets in cells, which every block repeats
+  std::vector<Point<Dim>> block;  // offsets (cells) that every block repeats
   std::vector<Point<Dim>> features;
   const int count = static_cast<int>(std::pow(cells, Dim));
   for (int k = 0; k < count; ++k) {
@@ -68,12 +68,12 @@ std::vector<Point<Dim>> feature_world(const FeatureWorldOptions& options, Random
   return features;
 }
 
-/// A map that a drive along `path` makes of the world, in the frame of its first pose.
+/// The map that a drive along a path makes of a world, in the frame of its first pose, with its truth.
 template <int Dim>
 struct DrivenMap {
   FeatureMap<Dim> map;
-  std::vector<std::size_t> truth;  ///< By feature of the map, that of the world.
-  Pose<Dim> frame;                 ///< The map's, in the world.
+  std::vector<std::size_t> truth;  ///< The feature of the world for each feature of the map.
+  Pose<Dim> frame;                 ///< The frame of the map in the world.
 };
 
 template <int Dim>
@@ -94,7 +94,7 @@ DrivenMap<Dim> driven_map(const std::vector<Point<Dim>>& world, const std::vecto
     driven.map.features.push_back(transform(world_in_map, world[f]));
     seen_from.push_back(static_cast<std::size_t>(nearest - path.begin()));
   }
-  // Every step moves and turns all that is seen after it.
+  // The error of a step moves and turns all features seen after it.
   const auto rows = static_cast<Eigen::Index>(driven.truth.size()) * Dim;
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(path.size()) * (Dim + kRot));
   for (std::size_t f = 0; f < driven.truth.size(); ++f) {
@@ -121,7 +121,7 @@ DrivenMap<Dim> driven_map(const std::vector<Point<Dim>>& world, const std::vecto
   return driven;
 }
 
-/// A path to and fro in lanes along the first two axes, by steps of so many metres.
+/// A path to and fro in lanes along the first axis, the lanes `apart` metres apart along the second, in steps of `step` metres.
 template <int Dim>
 std::vector<Point<Dim>> lanes(const Point<Dim>& corner, double width, double depth, double apart, double step = 1.0) {
   std::vector<Point<Dim>> path;
@@ -137,7 +137,7 @@ std::vector<Point<Dim>> lanes(const Point<Dim>& corner, double width, double dep
   return path;
 }
 
-/// What a robot sees at once in such a world, for the density of features.
+/// The density of the features that lie within `range` of each pose of a map.
 template <int Dim>
 NeighbourDensity<Dim> density_of(const DrivenMap<Dim>& driven, double range) {
   std::vector<std::vector<Point<Dim>>> sets;
@@ -150,7 +150,7 @@ NeighbourDensity<Dim> density_of(const DrivenMap<Dim>& driven, double range) {
   return NeighbourDensity<Dim>(sets);
 }
 
-/// That of a sensor that sees all that is in its range.
+/// The chance of a sighting for a sensor that sees all features within its range.
 inline SightingChance chance_of(double range) {
   std::vector<std::pair<double, bool>> trials;
   for (int k = 0; k < 2000; ++k) trials.emplace_back(2.0 * range * k / 2000.0, k < 1000);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Whole files: their bytes, gzipped ones, and tar archives, for tests of readers.
+// Whole files, gzipped files and tar archives as bytes, for tests of readers.
 
 #include <zlib.h>
 
@@ -29,7 +29,7 @@ inline std::filesystem::path write_gzip(const std::filesystem::path& path, std::
   return path;
 }
 
-/// The bytes of one member of a ustar archive: its header and its content, filled up.
+/// The bytes of one member of a ustar archive: its header and its padded content.
 inline std::string tar_member(const std::string& name, const std::string& bytes, char type = '0') {
   std::string header(512, '\0');
   const auto put = [&](std::size_t at, const std::string& text) { header.replace(at, text.size(), text); };

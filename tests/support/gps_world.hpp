@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Simulated drives with a satellite receiver, whose antenna stands at a lever: the map is where its fixes are.
+// Simulated drives with a satellite receiver whose antenna stands away from the pose.
 
 #include <mapjoin/simulate/manhattan.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
@@ -9,16 +9,16 @@ namespace mapjoin::testing {
 
 struct GpsWorldOptions {
   std::int64_t poses = 200;
-  std::int32_t between = 5;  ///< A fix at every so many poses.
-  double deviation = 0.4;    ///< Of each coordinate of a fix (m).
+  std::int32_t between = 5;  ///< Number of poses from one fix to the next.
+  double deviation = 0.4;    ///< Standard deviation of each coordinate of a fix (m).
   std::uint64_t seed = 1;
 };
 
 template <int Dim>
 struct GpsWorld {
-  Log<Dim> log;       ///< Its pose priors are the fixes; nothing is fixed.
-  Values<Dim> truth;  ///< In the frame of the fixes.
-  Point<Dim> lever;   ///< (m)
+  Log<Dim> log;       ///< A log whose pose priors are the fixes; nothing is fixed.
+  Values<Dim> truth;  ///< The truth in the frame of the fixes.
+  Point<Dim> lever;   ///< The antenna in the frame of a pose (m).
 };
 
 template <int Dim>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A sparse system as maps make them: blocks of two and of three on a grid, ordered by dissection.
+// Sparse systems like those of maps: blocks of two and of three rows on a grid, ordered by nested dissection.
 
 #include <algorithm>
 #include <mapjoin/solve/engines/sparse_cholesky.hpp>
@@ -24,7 +24,7 @@ inline BlockGraph grid(int side) {
   return graph;
 }
 
-/// Positive definite, with a block for each pair of neighbours in a grid, in an order of little fill.
+/// A positive definite matrix with a block for each pair of neighbours in a grid, in an order of little fill.
 inline BlockLower grid_system(int side, Random& random) {
   const BlockGraph graph = grid(side);
   const Table<Column, Variable> order = elimination_order(graph);
@@ -47,7 +47,7 @@ inline BlockLower grid_system(int side, Random& random) {
   return A;
 }
 
-/// The whole symmetric matrix.
+/// The whole symmetric matrix, dense.
 inline Eigen::MatrixXd dense(const BlockLower& A) {
   Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(A.size(), A.size());
   for (const Column k : A.columns()) {

@@ -12,7 +12,8 @@
 
 namespace mapjoin::testing {
 
-/// Local map k ends at step round(35187 k / 700); features are named as the beacons are.
+/// The truth at the poses of the set, the ends of its maps: pose k is step round(35187 k / 700). Features are named as the
+/// beacons are.
 inline Truth<2> truth_of_simulation(const SubmapSet<2>& set) {
   const auto read = [](const std::string& name) {
     const std::string bytes = bytes_of(data_file("sim-35188/" + name + ".mat"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Where the robots of the UTIAS multi-robot data (MRCLAM) were, as motion capture saw them.
+// The trajectories of the robots of the UTIAS multi-robot data (MRCLAM) by motion capture.
 
 #include <filesystem>
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace mapjoin::testing {
 
-using Trajectory = std::map<double, Pose<2>>;  // by time (s)
+using Trajectory = std::map<double, Pose<2>>;  // poses by time (s)
 
 /// The trajectory in a `RobotN_Groundtruth.dat`.
 inline Trajectory motion_capture(const std::filesystem::path& file) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Central differences, to check every analytic Jacobian against.
+// Jacobians by central differences, to check analytic ones against.
 
 #include <Eigen/Core>
 
 namespace mapjoin::testing {
 
-/// ∂f/∂δ at δ = 0 of `f`: (column vector of `cols`) → column vector, by central differences with step `h`.
+/// The Jacobian ∂f/∂δ at δ = 0 of `f`, a function from column vectors of `cols` entries to column vectors, by central
+/// differences with step `h`.
 template <typename F>
 Eigen::MatrixXd numerical_jacobian(F&& f, Eigen::Index cols, double h = 1e-6) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(cols);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How well an association agrees with the names in its input, counted by pairs of sightings.
+// The agreement of an association with the names in its input, counted by pairs of sightings.
 
 #include <map>
 #include <mapjoin/join/association/associate.hpp>
@@ -10,11 +10,11 @@
 namespace mapjoin::testing {
 
 struct PairScore {
-  double precision = 1.0;  ///< Of the pairs that were made one feature, the share of one name.
-  double recall = 1.0;     ///< Of the pairs of one name, the share that was made one feature.
+  double precision = 1.0;  ///< The share of pairs of one name among the pairs that were made one feature.
+  double recall = 1.0;     ///< The share of pairs that were made one feature among the pairs of one name.
 };
 
-/// Of sightings, each by its name and by what it was taken for.
+/// The score of sightings, each given by its name and the feature that it was made.
 template <typename Name, typename Joined>
 PairScore pair_score(const std::vector<std::pair<Name, Joined>>& sightings) {
   std::map<Name, double> named;

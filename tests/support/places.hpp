@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Where the build put what the tests need. One generated source defines the places, so that no other one depends on them.
+// Paths that the tests need, as the build knows them. One generated source defines them, so that no other one depends on them.
 
 #include <filesystem>
 #include <string>

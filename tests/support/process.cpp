@@ -10,12 +10,12 @@
 namespace mapjoin::testing {
 namespace {
 
-/// A new descriptor for writing to `path`.
+/// Opens `path` for writing, and returns its descriptor.
 int open_output(const std::filesystem::path& path) {
   return ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
 }
 
-/// Limits what this process may have of a resource, unless `most` is 0; beyond it, and `more`, it is killed.
+/// Sets this process's soft limit of a resource to `most`, and its hard limit to `most` + `more`; no limits if `most` is 0.
 void limit(__rlimit_resource resource, std::size_t most, std::size_t more = 0) {
   const ::rlimit both{most, most + more};
   if (most > 0) ::setrlimit(resource, &both);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Runs programs, as a user's shell would, and keeps what they say.
+// Programs run as a user's shell runs them, with their output kept.
 
 #include <sys/resource.h>
 #include <sys/types.h>
@@ -14,14 +14,14 @@
 
 namespace mapjoin::testing {
 
-/// What surrounds a program.
+/// Streams, folder and limits of a program.
 struct ProcessOptions {
-  std::filesystem::path working_folder;   ///< Empty: as the test's.
-  std::filesystem::path standard_output;  ///< Empty: it is kept.
-  bool reader_has_gone = false;           ///< Standard output is a pipe that nobody reads.
-  std::size_t memory_bytes = 0;           ///< What it may have for data; 0: no limit.
-  std::size_t cpu_seconds = 0;            ///< After which SIGXCPU ends it; 0: no limit.
-  std::size_t address_space_bytes = 0;    ///< What it may map; 0: no limit.
+  std::filesystem::path working_folder;   ///< Empty: that of the test.
+  std::filesystem::path standard_output;  ///< File for standard output; empty: it is kept.
+  bool reader_has_gone = false;           ///< Standard output is a pipe without a reader.
+  std::size_t memory_bytes = 0;           ///< Limit of its data (RLIMIT_DATA); 0: no limit.
+  std::size_t cpu_seconds = 0;            ///< CPU time after which SIGXCPU ends it; 0: no limit.
+  std::size_t address_space_bytes = 0;    ///< Limit of its address space (RLIMIT_AS); 0: no limit.
 };
 
 class Process {
@@ -35,9 +35,9 @@ class Process {
   ::pid_t id() const { return pid_; }
   void send(int signal) const;
   bool is_running();
-  /// Waits for its end: the exit code, or 1000 and the signal that killed it.
+  /// Waits for its end, and returns the exit code, or 1000 plus the number of the signal that killed it.
   int wait();
-  /// What it took, and what it said, once it has ended.
+  /// The resources it used and its output, once it has ended.
   const ::rusage& usage() const { return usage_; }
   std::string standard_output() const { return content_of(folder_.path() / "out"); }
   std::string standard_error() const { return content_of(folder_.path() / "err"); }
@@ -51,7 +51,7 @@ class Process {
   ::rusage usage_{};
 };
 
-/// How many threads the process with that number has, whoever started them; "self": this one.
+/// The number of threads of the process with this id, whoever started them; "self": of this process.
 inline std::ptrdiff_t threads_of(const std::string& process) {
   return std::distance(std::filesystem::directory_iterator("/proc/" + process + "/task"), {});
 }

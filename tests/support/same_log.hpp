@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Two logs side by side, number by number.
+// Comparison of two logs, number by number.
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 
 namespace mapjoin::testing {
 
-/// How far apart they may be: 0 for the same bits.
+/// Allowed differences; 0: the same bits.
 struct SameLogTolerance {
   double measured = 0.0;
-  double information = 0.0;  ///< Relative to the largest entry.
+  double information = 0.0;  ///< Allowed difference relative to the largest entry.
 };
 
 template <typename Matrices>
@@ -60,7 +60,7 @@ void expect_same_observations(std::span<const Observation> a, std::span<const Ob
   }
 }
 
-/// Names, edges and observations; not the values.
+/// Expects equal names, edges and observations; priors, fixed poses and initial values are not compared.
 template <int Dim>
 void expect_same_log(const Log<Dim>& a, const Log<Dim>& b, const SameLogTolerance& tolerance = {}) {
   EXPECT_EQ(a.poses, b.poses);

@@ -8,14 +8,14 @@
 
 namespace mapjoin::testing {
 
-/// The local maps of a log as a set of which nothing else is known; closures go along.
+/// The local maps and the closures of a log as a set, without anything else of the log.
 template <int Dim>
 SubmapSet<Dim> small_submap_set(const Log<Dim>& log, double poses_per_map) {
   Split parts = split(log, {SplitRule::kPoses, poses_per_map});
   SubmapSet<Dim> set;
   set.source = "maps";
   set.graph.submaps = build_local_maps<Dim>(log, parts, {}).value().maps;
-  // Only what is kept has a place in the set.
+  // Only kept poses are in the set.
   Table<PoseIndex, PoseIndex> place(log.poses.size(), kWorld);
   for (const PoseIndex p : indices(place)) {
     if (!parts.kept[p]) continue;

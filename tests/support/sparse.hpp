@@ -6,7 +6,8 @@
 
 namespace mapjoin::testing {
 
-/// A dense matrix by blocks of these sizes, zero blocks left out, with 1e9 where entries above the diagonal are ignored.
+/// A dense matrix in blocks of the sizes `dofs`, without its zero blocks. Entries above the diagonal of diagonal blocks, which
+/// are to be ignored, are 1e9.
 inline BlockLower sparse(const Eigen::MatrixXd& dense, const std::vector<Eigen::Index>& dofs) {
   BlockLower matrix;
   for (const Eigen::Index dof : dofs) matrix.offsets.push_back(matrix.offsets.back() + dof);
@@ -34,12 +35,12 @@ inline BlockLower sparse(const Eigen::MatrixXd& dense, const std::vector<Eigen::
   return matrix;
 }
 
-/// The same, entry by entry.
+/// A dense matrix in blocks of one entry, without its zeros.
 inline BlockLower sparse(const Eigen::MatrixXd& dense) {
   return sparse(dense, std::vector<Eigen::Index>(static_cast<std::size_t>(dense.cols()), 1));
 }
 
-/// L of so many rows, by its supernodes.
+/// The factor L, with `size` rows, from its supernodes.
 inline Eigen::MatrixXd dense_factor(const Supernodes& factor, Eigen::Index size) {
   Eigen::MatrixXd L = Eigen::MatrixXd::Zero(size, size);
   for (const Supernode& node : factor) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Changes to a database file, as anybody's tool could make them.
+// Access to a database file, as any other tool has it.
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -17,7 +17,7 @@ inline void execute_sql(const std::filesystem::path& path, const std::string& sq
   sqlite3_close(database);
 }
 
-/// The first column of the first row.
+/// The first column of the first row of a query's result.
 inline std::string sql_result(const std::filesystem::path& path, const std::string& sql) {
   sqlite3* database = nullptr;
   sqlite3_open(path.c_str(), &database);

@@ -29,8 +29,8 @@ void append(std::vector<Seen<Dim>>& observations_seen, std::type_identity_t<std:
   for (const auto& o : observations) observations_seen.push_back({o.base, o.target, o.measured});
 }
 
-/// Breadth-first over the edges in their order, from each fixed pose in turn, then from every pose not reached yet, which goes
-/// to the origin.
+/// Poses composed along the edges, breadth-first and in their order: from all fixed poses, then from each pose not reached yet,
+/// which is placed at the origin.
 template <int Dim>
 Table<PoseIndex, Pose<Dim>> spread(std::size_t count, const std::vector<FixedPose<Dim>>& fixed,
                                    const std::vector<Edge<Dim>>& edges) {

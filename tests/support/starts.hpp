@@ -10,27 +10,28 @@
 
 namespace mapjoin::testing {
 
-/// Every feature where its first observation (or prior) puts it, seen from the given poses.
+/// The given poses, and every feature where its first observation (or prior) from them puts it.
 template <int Dim>
 Values<Dim> with_first_observations(const Log<Dim>& log, Table<PoseIndex, Pose<Dim>> poses);
 
 template <int Dim>
 Values<Dim> with_first_observations(const SubmapSet<Dim>& set, Table<PoseIndex, Pose<Dim>> poses);
 
-/// Each session dead-reckoned from its first pose; features by their first observations.
+/// Poses composed along odometry: from fixed poses, and in other sessions from the first pose, at the origin. Features by their
+/// first observations.
 template <int Dim>
 Values<Dim> odometry_start(const Log<Dim>& log);
 
-/// Poses breadth-first over all pose-pose edges, odometry and closures alike; features by their first observations.
+/// Poses composed breadth-first along all edges, odometry and closures alike; features by their first observations.
 template <int Dim>
 Values<Dim> spanning_tree_start(const Log<Dim>& log);
 
-/// Maps composed end to end, breadth-first over their poses and the pose-pose edges beside them; features by the first map that
-/// holds them.
+/// Poses composed breadth-first along local maps and the edges beside them; features by the first map that holds them.
 template <int Dim>
 Values<Dim> composed_start(const SubmapSet<Dim>& set);
 
-/// The values of the file; features by their first observations where it has none of theirs. Nothing without its poses.
+/// The initial values of the file, features by their first observations if it has none of theirs; nullopt if it has none of
+/// poses.
 template <int Dim>
 std::optional<Values<Dim>> file_start(const Log<Dim>& log);
 

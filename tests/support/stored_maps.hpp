@@ -38,7 +38,8 @@ LocalMap<Dim> random_map(Random& random, const Segment& segment, int features) {
   return map;
 }
 
-/// `maps` segments of two steps each, then a raw segment of one; every array of the log has something in it.
+/// Random maps over `maps` segments of two steps each, with a raw segment of one step behind them. None of the arrays that a
+/// store has for the log is empty.
 template <int Dim>
 StoredMaps<Dim> random_stored_maps(Random& random, int maps, int features = 5) {
   StoredMaps<Dim> stored;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What tests and benchmarks share, included as <tests/support/file.hpp>: reference solver, starts, random values.
+# The library that tests and benchmarks share, included as <tests/support/file.hpp>: reference solver, starts, random values.
 include_guard(GLOBAL)
 find_package(Ceres REQUIRED)
 
@@ -9,5 +9,6 @@ add_library(mapjoin_test_support STATIC ${support_sources})
 target_include_directories(mapjoin_test_support PUBLIC ${CMAKE_SOURCE_DIR})
 target_link_libraries(mapjoin_test_support PUBLIC mapjoin::core PRIVATE Ceres::ceres)
 mapjoin_flags(mapjoin_test_support)
-set_target_properties(mapjoin_test_support PROPERTIES UNITY_BUILD OFF)  # benchmarks link what asks nothing of GoogleTest
+# No unity build, so that benchmarks link only objects that need no GoogleTest.
+set_target_properties(mapjoin_test_support PROPERTIES UNITY_BUILD OFF)
 target_compile_options(mapjoin_test_support PRIVATE $<$<CONFIG:Release>:-O2>)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Two drives along the same straight road, which nothing but the closures between them ties together.
+// Two drives along one straight road, tied to each other by closures alone.
 
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
@@ -8,15 +8,15 @@
 
 namespace mapjoin::testing {
 
-/// A closure from a pose of the first drive to one of the second, and by how much it is wrong sideways (m).
+/// A closure from a pose of the first drive to one of the second, and its error sideways (m).
 struct Crossing {
   std::uint64_t first = 0;
   std::uint64_t second = 0;
   double wrong_by = 0.0;
 };
 
-/// Two sessions of so many poses, a metre apart. Odometry and closures have a standard deviation of 0.01 (m, rad) in every
-/// coordinate, and errors of so many of them.
+/// Two sessions of `poses` poses in steps of 1 m. Odometry and closures state a standard deviation of 0.01 (m, rad) of every
+/// coordinate; the standard deviation of their errors is `errors` times as large.
 template <int Dim>
 Log<Dim> two_drives(int poses, const std::vector<Crossing>& crossings, double errors = 0.0) {
   constexpr double kDeviation = 0.01;

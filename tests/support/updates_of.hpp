@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A log as updates, for tests.
+// A whole log as updates.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 namespace mapjoin::testing {
 
-/// All of the log, in local maps of so many poses.
+/// The updates of a whole log, in local maps of `poses_per_map` poses.
 template <int Dim>
 std::vector<SubmapUpdate<Dim>> updates_of(const Log<Dim>& log, double poses_per_map) {
   SubmapUpdateMaker<Dim> maker({SplitRule::kPoses, poses_per_map});

@@ -19,7 +19,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kWheelbase = 2.83;
 constexpr double kToEncoder = 0.76;
 const Point<2> kLaser(3.78, 0.5);
-/// Of the laser's row n: kFirstScan + n kScanPeriod (s).
+/// The time of scan n is kFirstScan + n kScanPeriod (s).
 constexpr double kFirstScan = 21.82065;
 constexpr double kScanPeriod = 0.2136294;
 
@@ -66,7 +66,7 @@ class Drive {
     P = J_before * P * J_before.transpose() + J_step * Q * J_step.transpose();
   }
 
-  Eigen::MatrixXd rows_;  // time (s), speed of the wheel, steering
+  Eigen::MatrixXd rows_;  // time (s), speed of the wheel (m/s), steering (rad)
   Eigen::Index at_ = 0;
 };
 
@@ -127,7 +127,7 @@ double median_distance_from_gps(const Log<2>& log, const Table<PoseIndex, Pose<2
     const Pose<2> moved{share * step.translation, Rotation<2>(share * step.rotation.log()[0])};
     places.push_back({compose(poses[p], moved), {east[k], north[k]}});
   }
-  // Gauss-Newton over the turn a, R(a) lever and the offset, each fix weighed by one over its distance.
+  // Gauss-Newton over the turn a, R(a) lever and the offset; each fix is weighted by the inverse of its distance.
   double turn = 0.0;
   Point<2> lever = Point<2>::Zero();
   Point<2> offset = Point<2>::Zero();

@@ -6,7 +6,7 @@
 
 namespace mapjoin::testing {
 
-/// A feature every few metres, off the lattice by chance.
+/// A simulated world with a feature every few metres, at random offsets from a lattice.
 template <int Dim>
 Simulation<Dim> wood(std::uint64_t seed) {
   ManhattanOptions options;

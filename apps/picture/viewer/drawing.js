@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What layers are drawn with: round dots, lines of a width in pixels, thin lines, ellipses.
+// Objects that layers are drawn with: round dots, lines of a width in pixels, thin lines, ellipses.
 "use strict";
 
 const kDotVertex = `
@@ -22,7 +22,7 @@ const kDotFragment = `
     gl_FragColor = vec4(colour, opacity * alpha);
   }`;
 
-/// In 2D what is drawn later lies on top; in 3D what is nearer does.
+/// True in 3D, where what is nearer lies on top; in 2D what is drawn later does.
 let isDeep = false;
 
 function placed(object, order, opacity) {
@@ -32,7 +32,7 @@ function placed(object, order, opacity) {
   return object;
 }
 
-/// Each object below at a share of its own opacity.
+/// Fades an object and all below it to a share of their own opacity.
 function fade(object, share) {
   object.traverse(({ material, userData }) => {
     if (!material) return;
@@ -41,7 +41,7 @@ function fade(object, share) {
   });
 }
 
-/// Over everything, in space too.
+/// Draws an object over all others, in 3D too.
 function onTop(object) {
   object.traverse(({ material }) => {
     if (material) material.depthTest = false;
@@ -49,7 +49,7 @@ function onTop(object) {
   return object;
 }
 
-/// Takes an object out of the world, and its buffers off the graphics card.
+/// Removes an object from the world, and its buffers and materials from the graphics card.
 function discard(world, object) {
   world.remove(object);
   object.traverse(({ geometry, material }) => {
@@ -58,9 +58,9 @@ function discard(world, object) {
   });
 }
 
-const kFew = 4000; // dots or thin segments: drawn whole, whatever a frame takes
+const kFew = 4000; // dots or thin segments: an object with no more is drawn whole, however long a frame takes
 
-/// The vertices of all items, such that any first part of them is spread over the whole: in steps of the golden section.
+/// The vertices of all items, in an order any first part of which is spread over the whole: in steps of the golden section.
 function spreadVertices({ items, verticesOfOne }) {
   const divisor = (a, b) => (b === 0 ? a : divisor(b, a % b));
   let step = Math.round(0.618 * items);
@@ -72,7 +72,8 @@ function spreadVertices({ items, verticesOfOne }) {
   return new THREE.BufferAttribute(vertices, 1);
 }
 
-/// Draws a share of the items, dots or thin segments, of each object that has many; all, and in their order, for 1.
+/// Draws a share of the dots or thin segments, but at least kFew, of each object that has more; all, in their own order, if the
+/// share is 1.
 function drawShare(world, share) {
   world.traverse(({ geometry, userData }) => {
     if (!(userData.items > kFew)) return;
@@ -88,13 +89,13 @@ function geometryOf(places) {
   return geometry;
 }
 
-/// How far places are apart on average, in a box of their own (m).
+/// An estimate of how far places are apart: the diagonal of their box over the root of their number (m).
 function spacingOf(places, dimension) {
   const box = new THREE.Box3().setFromArray(places);
   return box.getSize(new THREE.Vector3()).length() / Math.max(1, places.length / 3) ** (1 / dimension);
 }
 
-/// Makes dots that have a spacing smaller where they would hide each other, down to a third.
+/// Shrinks dots that have a spacing and would hide each other at this zoom, down to a third.
 function fitDots(world, zoom) {
   world.traverse(({ userData, material }) => {
     if (!userData.spacing) return;
@@ -103,7 +104,7 @@ function fitDots(world, zoom) {
   });
 }
 
-/// `size` in pixels of the page; a ring has a hole of that share of it. For `spacing` see fitDots().
+/// Round dots of `size` pixels of the page, or rings with a hole of the share `hole` of that; fitDots() uses `spacing` (m).
 function dots(places, { colour, size, order, spacing = 0, opacity = 1, hole = 0 }) {
   const material = new THREE.ShaderMaterial({
     uniforms: {
@@ -123,7 +124,7 @@ function dots(places, { colour, size, order, spacing = 0, opacity = 1, hole = 0 
   return object;
 }
 
-/// One pixel wide, from each even point to the next; `colours`, three numbers per point, may be null.
+/// Lines one pixel wide from each even point to the next; `colours`, three numbers per point, may be null.
 function thinLines(ends, colours, { colour, order, opacity = 1 }) {
   const material = new THREE.LineBasicMaterial({
     color: colours ? 0xffffff : new THREE.Color(colour).getHex(),
@@ -140,9 +141,10 @@ function thinLines(ends, colours, { colour, order, opacity = 1 }) {
   return object;
 }
 
-const kMostWide = 30000; // segments
+const kMostWide = 30000; // segments: more are drawn thin
 
-/// As thinLines(), so many pixels wide; one where there are so many that each is a few pixels long, for speed.
+/// Lines `width` pixels wide from each even point to the next, with `colours` as in thinLines(); one pixel wide, for speed, if
+/// there are so many that each is a few pixels long.
 function wideLines(ends, colours, { colour, width, order, opacity = 1 }) {
   if (ends.length > 6 * kMostWide) return thinLines(ends, colours, { colour, order, opacity });
   const geometry = new THREE.LineSegmentsGeometry();
@@ -160,8 +162,8 @@ function wideLines(ends, colours, { colour, width, order, opacity = 1 }) {
   return placed(new THREE.LineSegments2(geometry, material), order, opacity);
 }
 
-/// The ends of the segments of a path over `places` through the points of `order`, broken where `isTied` says so or where a
-/// place is not known.
+/// The ends of the segments of a path over `places` through the points of `order`, broken before its k-th point if isTied(k) is
+/// false, and at unknown places.
 function segmentEnds(places, order, isTied) {
   const ends = [];
   for (let k = 1; k < order.length; ++k) {
@@ -173,7 +175,7 @@ function segmentEnds(places, order, isTied) {
   return new Float32Array(ends);
 }
 
-/// Each segment in five dashes.
+/// The ends of the five dashes of each segment.
 function dashed(ends) {
   const dashes = [];
   for (let k = 0; k < ends.length; k += 6) {
@@ -184,7 +186,7 @@ function dashed(ends) {
   return new Float32Array(dashes);
 }
 
-/// The ends of the segments between all poses of each session.
+/// The ends of the segments between successive poses of each session.
 function sessionEnds(places, sessions) {
   let count = 0;
   for (let s = 0; s < sessions.length; s += 2) count += Math.max(0, sessions[s + 1] - sessions[s] - 1);
@@ -196,7 +198,7 @@ function sessionEnds(places, sessions) {
   return ends;
 }
 
-/// Lower triangular L with L Lᵀ = P, a zero column where P has nothing.
+/// The lower triangular L with L Lᵀ = P; a column is zero where P has no positive pivot.
 function cholesky(P) {
   const size = P.length;
   const L = P.map((row) => row.map(() => 0));
@@ -215,8 +217,9 @@ function cholesky(P) {
 
 const kCorners = 32;
 
-/// Appends the segments of the ellipse of three standard deviations, in space of three circles of the ellipsoid: the unit
-/// circles taken by 3 L, with L Lᵀ the covariance of the position; what is farther away than `cap` is drawn at that distance.
+/// Appends the segments of the ellipse of three standard deviations or, in 3D, of three ellipses on the ellipsoid: the unit
+/// circles times 3 L, with L Lᵀ the covariance of the position. Points farther than `cap` (m) from the centre are drawn at that
+/// distance.
 function addEllipse(centre, covariance, dimension, cap, ends) {
   const L = cholesky(covariance.slice(0, dimension).map((row) => row.slice(0, dimension)));
   const planes =
@@ -241,7 +244,7 @@ function addEllipse(centre, covariance, dimension, cap, ends) {
   }
 }
 
-/// Those of the chosen entries of packed covariances of so many rows.
+/// The ends of the segments of ellipses at the chosen places; their packed covariances have so many rows.
 function ellipseEnds(places, packed, rows, chosen, dimension, cap) {
   const ends = [];
   for (const k of chosen) addEllipse(places.subarray(3 * k, 3 * k + 3), covarianceAt(packed, k, rows), dimension, cap, ends);

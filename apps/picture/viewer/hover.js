@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is under the pointer, and what there is to say of it.
+// The pose or feature under the pointer, and the tip that describes it.
 "use strict";
 
 const kReach = 12; // pixels
 
-/// The nearest pose or feature within reach among the layers that are shown: features go before poses that are as near, and in
-/// space what is in front before what is behind.
+/// The nearest pose or feature within reach among the layers that are shown, or null. Features go before poses that are as near
+/// and, in 3D, what is in front before what is behind.
 function nearest(view, layers, x, y) {
   const project = view.projector();
   const at = {};
@@ -42,7 +42,7 @@ function placeInWords(scene, found) {
   return words.join(", ");
 }
 
-/// The covariance of what was found, or null.
+/// The covariance of a pose or feature that was found; null if it is unknown.
 function covarianceOf(scene, found) {
   const isPose = found.kind === "poses";
   const packed = isPose ? found.map.poseCovariances : found.map.featureCovariances;
@@ -78,7 +78,7 @@ function covarianceTable(P, names) {
   return table;
 }
 
-/// Fills the tip with all that is known of a pose or feature.
+/// Fills the tip with the name, the place, the local map and the covariance of a pose or feature.
 function tell(scene, localMapOf, found, tip) {
   const { map, kind, index } = found;
   const isPose = kind === "poses";
@@ -99,7 +99,7 @@ function tell(scene, localMapOf, found, tip) {
   tip.replaceChildren(...lines);
 }
 
-/// Beside the pointer, within the page.
+/// Shows the tip beside the pointer, within the page.
 function placeTip(tip, x, y) {
   tip.hidden = false;
   const { width, height } = tip.getBoundingClientRect();

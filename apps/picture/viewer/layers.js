@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The layers of a scene: what can be switched on and off, each with the objects that show it.
+// Layers of a scene, which can be switched on and off, each with the objects that show it.
 "use strict";
 
-// Okabe and Ito's colours, as in the pictures for paper.
+// The colours of Okabe and Ito, as in SVG pictures.
 const kDistinct = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 const kLocalMapColours = [kDistinct[0], kDistinct[2], kDistinct[3], kDistinct[5], kDistinct[4]];
 const kInk = { light: "#1c2024", dark: "#e6e8eb" };
 const kFaint = { light: "#a3a9b3", dark: "#6b7280" };
 const kMostEllipses = 5000;
-const kManyLinks = 200; // of one class: more are drawn thin
-const kPoseEllipses = 400; // about so many along a trajectory without local maps
+const kManyLinks = 200; // links of one class: so many and more are drawn thin
+const kPoseEllipses = 400; // at most so many along a trajectory without local maps
 
 function localMapColour(m) {
   return kLocalMapColours[m % kLocalMapColours.length];
 }
 
-/// Every k-th of so many, at most `most`.
+/// Every k-th of `count` indices, `most` of them at most.
 function everyOf(count, most) {
   const step = Math.max(1, Math.ceil(count / most));
   const chosen = [];
@@ -43,13 +43,13 @@ function placesOf(places, chosen) {
   return some;
 }
 
-/// Whether local maps go through all poses, so that the trajectory is theirs.
+/// True if local maps cover every step of the sessions, so that the trajectory is theirs.
 function isCovered(map) {
   const steps = map.localMaps.end.reduce((sum, end, m) => sum + end - map.localMaps.base[m], 0);
   return steps >= map.poses.length / 3 - map.sessions.length / 2;
 }
 
-/// Poses and the lines through them. `tells` says what can be hovered over: poses or features.
+/// The layers of poses and of the lines through them; `tells` names what the pointer finds in a layer, poses or features.
 function pathLayers({ map, colours, dimension, ends, isSingle }) {
   const hasMaps = map.localMaps.count > 0;
   const endPlaces = placesOf(map.poses, ends);
@@ -108,7 +108,7 @@ function featureLayer({ map, colours, dimension }) {
   return { name: "features", count: map.features.length / 3, colour: colours.features, kind: "dot", make, tells: "features" };
 }
 
-/// Ellipses where covariances are known.
+/// The layers of ellipses, empty if covariances are unknown.
 function certaintyLayers({ map, colours, dimension, ends }) {
   const poses = map.poseCovariances.length > 0 ? ends : [];
   const features = map.featureCovariances.length > 0 ? everyOf(map.features.length / 3, kMostEllipses) : [];
@@ -132,7 +132,7 @@ function certaintyLayers({ map, colours, dimension, ends }) {
   ];
 }
 
-/// Places of poses, and of features, which count on from them.
+/// The places at both ends of links; indices of features count on from those of poses.
 function linkEnds(map, ends) {
   const places = new Float32Array(map.poses.length + map.features.length);
   places.set(map.poses);
@@ -140,7 +140,8 @@ function linkEnds(map, ends) {
   return placesOf(places, ends);
 }
 
-/// Closures and observations in classes by their residuals, the worst first; the fainter the more there are.
+/// The layers of closures and observations, in classes by their residuals, the worst first; the more a class has, the fainter
+/// it is.
 function linkLayers({ map, theme }, isOnTop) {
   const layerOf = ({ name, colours, width, isDashed, ends }) => {
     const colour = colours[theme];
@@ -186,7 +187,7 @@ function layersOfMap(scene, m, theme) {
     .map((layer, k) => ({ isOn: true, tells: null, map, heading, order: top - k, ...layer }));
 }
 
-/// One layer of the truth of the first map, below all maps: its path, and rings where features truly are.
+/// The layer of the truth of the first map, below all maps: its path, and rings where features truly are; none without a truth.
 function truthLayers(scene, theme) {
   if (!scene.truth) return [];
   const { poses, features } = scene.truth;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The panel at the side: layers to switch, a local map to pick, and the joining of map after map.
+// The panel at the side: layers to switch, a local map to pick, a pose to find, and the joining of map after map.
 "use strict";
 
 function swatch(layer) {
@@ -11,10 +11,10 @@ function swatch(layer) {
 
 const counted = (count) => count.toLocaleString("en").replace(/,/g, "\u202f");
 
-/// A chi2, with five digits that mean something.
+/// A chi2 with five significant digits or, from 100 000 on, as a whole number.
 const figure = (chi2) => (chi2 < 1e5 ? chi2.toPrecision(5) : counted(Math.round(chi2)));
 
-/// A switch per layer, under the name of its map where there are several.
+/// Fills the panel with a switch per layer, below the name of its map if there are several.
 function fillLayers(viewer) {
   const list = document.getElementById("layers");
   list.replaceChildren();
@@ -44,7 +44,7 @@ const kFigures = (maps, map, m) => [
   ["p", maps.probability[m] < 1e-3 ? maps.probability[m].toExponential(1) : maps.probability[m].toFixed(3)],
 ];
 
-/// Number, figures, and how the fit is to be understood; m is -1 where none is picked.
+/// Fills the panel with the number and the figures of local map m, and a warning if it does not fit; m is -1 if none is picked.
 function fillLocalMap(map, m) {
   const figures = document.getElementById("local-map-figures");
   document.getElementById("local-map-number").value = m < 0 ? "" : m + 1;
@@ -95,7 +95,7 @@ function tellStop(viewer) {
     : `${counted(stop.maps)} of ${counted(stops[stops.length - 1].maps)} maps, chi2 ${figure(stop.chi2)}`;
 }
 
-/// About ten seconds from the first to the last stop.
+/// Plays the stops, all of them in about ten seconds, or pauses.
 function playStops(viewer, button) {
   const last = viewer.growing.stops.length - 1;
   if (viewer.timer) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene that the page brings along: JSON, with numbers as base64 of little-endian arrays. Places are metres from `centre`.
+// The scene that the page brings along: JSON, with numbers as base64 of little-endian arrays. Places are in metres from
+// `centre`.
 "use strict";
 
 function bytesOf(base64) {
@@ -14,7 +15,7 @@ const doubles = (base64) => new Float64Array(bytesOf(base64 || ""));
 const indices = (base64) => new Uint32Array(bytesOf(base64 || ""));
 const keys = (base64) => new BigUint64Array(bytesOf(base64 || ""));
 
-/// Local maps as arrays over them; the features of map m are features[offsets[m]] to features[offsets[m + 1]].
+/// The local maps as arrays over them; the features of map m are features[offsets[m]] to features[offsets[m + 1] - 1].
 function readLocalMaps(raw) {
   return {
     count: raw.count,
@@ -28,7 +29,7 @@ function readLocalMaps(raw) {
   };
 }
 
-/// The join of the first `maps` maps: places of the poses that it held, by their indices, and of its features.
+/// The join of the first `maps` maps: the indices and places of its poses, and the places of its features.
 function readStop(raw) {
   return {
     maps: raw.maps,
@@ -74,13 +75,13 @@ function readScene() {
 
 const robotOf = (map, pose) => (map.robots.length > 0 ? map.robots[pose] : 0);
 
-/// "pose 17", or "pose 17 of session 2".
+/// The name of a pose, as "pose 17" or "pose 17 of session 2".
 function poseName(map, pose) {
   const robot = robotOf(map, pose);
   return `pose ${map.poseKeys[pose]}` + (robot === 0 ? "" : ` of session ${robot}`);
 }
 
-/// The first pose of an id in words, "17" or "17 of session 2": its map and index, or nothing.
+/// The first pose of an id in words, as "17" or "17 of session 2": its map and index; undefined if there is none.
 function poseOfId(scene, words) {
   const numbers = words.match(/\d+/g);
   if (!numbers) return undefined;
@@ -95,7 +96,7 @@ function poseOfId(scene, words) {
 
 const featureName = (map, feature) => `feature ${map.featureKeys[feature]}`;
 
-/// The map that starts at or contains each pose, or -1.
+/// The local map that starts at or contains each pose, or else one that ends there; -1 if there is none.
 function localMapOfPoses(map) {
   const of = new Int32Array(map.poses.length / 3).fill(-1);
   const maps = map.localMaps;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The camera and what moves it: pan, zoom at the pointer, in space rotate. Zoom is in pixels per metre.
+// The camera and what moves it: pan, zoom at the pointer and, in 3D, rotation. Zoom is in pixels per metre.
 "use strict";
 
 const kSlowFrame = 50; // ms
-const kFastFrame = 40;
+const kFastFrame = 40; // ms
 const kLeastShare = 0.01;
 const kRest = 200; // ms without a move
 
@@ -37,7 +37,7 @@ class View {
     }
     controls.addEventListener("change", () => this.move());
     this.controls = controls;
-    // What is under the pointer stays there: the controls zoom about the middle, and this listener comes after theirs.
+    // Keeps what is under the pointer there: the controls zoom about the middle, and this listener comes after theirs.
     this.canvas.addEventListener("wheel", (event) => this.keepUnder(event.clientX, event.clientY));
   }
 
@@ -64,7 +64,7 @@ class View {
     this.draw();
   }
 
-  /// Shows the box, by default of the whole scene, beside the panel.
+  /// Shows a box, by default that of the whole scene, beside the panel.
   fit(box = this.box) {
     const width = window.innerWidth - this.panelWidth();
     const centre = box.getCenter(new THREE.Vector3());
@@ -79,7 +79,7 @@ class View {
     this.lookBeside();
   }
 
-  /// Brings a point to where fit() has the middle.
+  /// Brings a point to the middle of what the panel leaves free.
   centre(point) {
     this.camera.position.add(point).sub(this.controls.target);
     this.controls.target.copy(point);
@@ -97,13 +97,13 @@ class View {
     this.stand();
   }
 
-  /// What the panel takes from the left of the page; nothing where it lies over it.
+  /// The width that the panel takes from the left of the page (pixels); 0 if it takes half of the page, and lies over the map.
   panelWidth() {
     const panel = document.getElementById("panel").getBoundingClientRect();
     return panel.width < 0.5 * window.innerWidth ? panel.right : 0;
   }
 
-  /// From places in the scene to pixels of the page, as a function of an array and an index.
+  /// A function that projects place k of an array to pixels of the page and a depth.
   projector() {
     this.camera.updateMatrixWorld();
     const { elements: e } = new THREE.Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
@@ -119,7 +119,8 @@ class View {
     };
   }
 
-  /// The camera has moved: while it does, so much of large layers is drawn as leaves the motion smooth; all once it rests.
+  /// Draws after the camera has moved: while it moves, as much of large layers as leaves the motion smooth; all of them once it
+  /// rests.
   move() {
     this.isMoving = true;
     clearTimeout(this.rest);
@@ -133,13 +134,13 @@ class View {
     this.draw();
   }
 
-  /// The share to draw while moving, by what the last frame took (ms).
+  /// Adapts the share that is drawn in motion to the time that the last frame took (ms).
   adapt(taken) {
     if (taken > kSlowFrame) this.share = Math.max(kLeastShare, this.share * Math.max(0.2, (0.7 * kSlowFrame) / taken));
     if (taken < kFastFrame) this.share = Math.min(1, 1.2 * this.share);
   }
 
-  /// Soon, and once for however many calls.
+  /// Draws soon, and once for however many calls.
   draw() {
     if (this.isDrawing) return;
     this.isDrawing = true;
@@ -156,7 +157,7 @@ class View {
   }
 }
 
-/// Around all that is framed: maps and their truth, without odometry alone, which can be anywhere.
+/// The box around maps and their truth, without odometry alone, which can be anywhere.
 function boxOf(scene) {
   const box = new THREE.Box3();
   const point = new THREE.Vector3();
@@ -170,13 +171,13 @@ function boxOf(scene) {
   return box;
 }
 
-/// The largest of 1, 2, 5 times a power of ten that is not more.
+/// The largest number of 1, 2 or 5 times a power of ten that is at most `most`.
 function roundBelow(most) {
   const power = 10 ** Math.floor(Math.log10(most));
   return [5, 2, 1].map((factor) => factor * power).find((round) => round <= most * (1 + 1e-12)) || power;
 }
 
-/// A bar of a round length, about a sixth of the page.
+/// Makes the scale bar of a round length, at most an eighth of the page or, if that is more, 120 pixels.
 function updateScaleBar(view) {
   const metres = roundBelow(Math.max(120, window.innerWidth / 8) / view.camera.zoom);
   document.getElementById("scale-bar").style.width = `${metres * view.camera.zoom}px`;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page as a whole: what is shown, picked and hovered over.
+// The page as a whole: what is shown, picked and under the pointer.
 "use strict";
 
-const kDetailPixels = 16; // poses are drawn as dots where they are so far apart, in pixels
+const kDetailPixels = 16; // poses are drawn as dots if they are farther apart, in pixels
 
 class Viewer {
   constructor() {
@@ -49,7 +49,7 @@ class Viewer {
     this.showExtra();
   }
 
-  /// Objects come into being when they are first shown.
+  /// Shows the layers that are on; their objects are made when they are first shown.
   show() {
     for (const layer of this.layers) {
       const isShown = layer.isOn && (this.isWhole || layer.map !== this.growing);
@@ -64,7 +64,7 @@ class Viewer {
     this.view.draw();
   }
 
-  /// All but the picked local map steps back.
+  /// Fades all layers while a local map is picked.
   dim() {
     for (const layer of this.layers) if (layer.object) fade(layer.object, this.picked >= 0 ? 0.25 : 1);
   }
@@ -95,7 +95,7 @@ class Viewer {
     this.showExtra();
   }
 
-  /// The picked local map, or the stop of joining, over the layers.
+  /// Shows the picked local map, or the stop of joining unless it is the last one, over the layers.
   showExtra() {
     if (this.extra) discard(this.view.world, this.extra);
     this.extra = this.picked >= 0 ? pickedGroup(this) : this.isWhole ? null : stopGroup(this);
@@ -103,7 +103,7 @@ class Viewer {
     this.view.draw();
   }
 
-  /// Centres the view on a pose that poseOfId() found, rings it and names it; of nothing the ring goes.
+  /// Centres the view on a pose that poseOfId() found, rings it and shows its tip; without one, removes the ring.
   goToPose(found) {
     if (this.ring) discard(this.view.world, this.ring);
     this.ring = null;
@@ -143,7 +143,7 @@ class Viewer {
     this.tip(found, event.clientX, event.clientY);
   }
 
-  /// Says what there is to say of a pose or feature, beside a point of the page; nothing of nothing.
+  /// Shows the tip of a pose or feature beside a point of the page; hides it if there is none.
   tip(found, x, y) {
     const tip = document.getElementById("tip");
     tip.hidden = !found;
@@ -152,7 +152,7 @@ class Viewer {
     placeTip(tip, x, y);
   }
 
-  /// A press and release at one place picks the local map of the pose there, or lets go of the one picked.
+  /// Picks the local map of the pose where the pointer was pressed and released, or none if there is no such pose.
   click(event) {
     const { pressed } = this;
     if (!pressed || !this.mapWithLocalMaps || !this.isWhole) return;
@@ -167,7 +167,7 @@ class Viewer {
   }
 }
 
-/// From pose to pose (m).
+/// The median distance from pose to pose (m), of a thousand steps or so of a long map; 1 if it is 0 or unknown.
 function medianStep(map) {
   const steps = [];
   for (let p = 1; p < map.poses.length / 3; p += 1 + (map.poses.length >> 12)) {
@@ -176,7 +176,7 @@ function medianStep(map) {
   return steps.sort((a, b) => a - b)[steps.length >> 1] || 1;
 }
 
-/// The poses of the picked local map as a thick line, its ends, and rings around its features.
+/// The picked local map: its poses as a thick line, its end poses, and its features with rings around them.
 function pickedGroup(viewer) {
   const map = viewer.mapWithLocalMaps;
   const { base, end, offsets, features } = map.localMaps;
@@ -192,7 +192,8 @@ function pickedGroup(viewer) {
   return onTop(group);
 }
 
-/// The join of the first maps: the poses that it holds, tied as in the sessions, with those new since the stop before in orange.
+/// The join of the first maps: its features and poses, tied as in the sessions, with the poses that are new since the stop
+/// before in orange.
 function stopGroup(viewer) {
   const map = viewer.growing;
   const stop = map.stops[viewer.stop];
@@ -230,7 +231,7 @@ function stopGroup(viewer) {
   return group;
 }
 
-/// Where there is nothing to draw with, the page says so.
+/// True if the browser has WebGL; otherwise the page says that it has none.
 function hasWebGL() {
   const has = Boolean(document.createElement("canvas").getContext("webgl"));
   for (const id of ["panel", "scale"]) document.getElementById(id).hidden = !has;

@@ -49,21 +49,59 @@ MatrixRepairs repairs_by_all(const Communicator& comm, MatrixRepairs repairs) {
   return repairs;
 }
 
-/// Checks declarations: kBadInput if ids are declared twice or, in a file with vertices, not at all.
-template <typename Index, typename Id>
-Expected<void> check_declared(const Communicator& comm, const std::string& file, bool has_vertices,
-                              const std::vector<std::uint64_t>& declared_here, const Table<Index, Id>& names) {
-  if (!has_vertices) return {};
+/// The ids that vertices on all ranks declare, ascending; kBadInput if one is declared twice.
+template <typename Id>
+Expected<std::vector<std::uint64_t>> declared_by_all(const Communicator& comm, const std::string& file,
+                                                     const std::vector<std::uint64_t>& declared_here) {
   std::vector<std::uint64_t> declared = comm.gather(declared_here);
   std::ranges::sort(declared);
   if (const auto twice = std::ranges::adjacent_find(declared); twice != declared.end()) {
     return bad_input(fmt::format("{}: {} is declared a second time; two logs in one file are to be given as two files", file,
                                  to_string(Id{.key = *twice})));
   }
-  const auto is_undeclared = [&](const Id& id) { return !std::ranges::binary_search(declared, id.key); };
-  const auto missing = std::ranges::find_if(names, is_undeclared);
-  if (missing == names.end()) return {};
-  return bad_input(fmt::format("{}: the file declares vertices, but not {}", file, to_string(*missing)));
+  return declared;
+}
+
+/// Leaves out the edges of this rank to what no vertex declares, and counts them; takes such names out of `names`.
+template <int Dim>
+void leave_out_undeclared(const Declared& declared, Log<Dim>& log, LogPart<Dim>& names) {
+  const auto has_pose = [&](PoseIndex pose) { return pose == kWorld || declared.has_pose(log.poses[pose].key); };
+  const auto has_feature = [&](FeatureIndex feature) { return declared.has_feature(log.features[feature].key); };
+  const std::size_t count =
+      std::erase_if(log.graph.pose_factors, [&](const auto& o) { return !has_pose(o.base) || !has_pose(o.target); }) +
+      std::erase_if(log.graph.feature_factors, [&](const auto& o) { return !has_pose(o.base) || !has_feature(o.target); });
+  if (count > 0) log.skipped["edges to undeclared vertices"] += static_cast<std::int64_t>(count);
+  std::erase_if(names.poses, [&](const PoseId& id) { return !declared.has_pose(id.key); });
+  std::erase_if(names.features, [&](const FeatureId& id) { return !declared.has_feature(id.key); });
+}
+
+/// kBadInput, with the place of the first line of this rank that names what no vertex declares, if there is one among `names`.
+template <int Dim>
+Expected<void> check_declared(const TextPart& part, const Declared& declared, const LogPart<Dim>& names) {
+  const bool are_declared = std::ranges::all_of(names.poses, declared.has_pose, &PoseId::key) &&
+                            std::ranges::all_of(names.features, declared.has_feature, &FeatureId::key);
+  if (are_declared) return {};
+  const TextScanner text(names.source, part.text, part.lines_before);
+  const UndeclaredName missing = first_undeclared_in_g2o<Dim>(text, declared).value();
+  return text.error(
+      missing.place,
+      fmt::format("the file declares vertices, but not {}; --skip-undeclared leaves such edges out", missing.name));
+}
+
+/// Settles what the edges of this rank, whose names are given, say of undeclared poses and features in a file with vertices: as
+/// for a reader of the whole file. kBadInput, the same on all ranks.
+template <int Dim>
+Expected<void> settle_undeclared(const Communicator& comm, const TextPart& part, Undeclared undeclared, Log<Dim>& log,
+                                 LogPart<Dim>& names) {
+  const auto poses = declared_by_all<PoseId>(comm, names.source, part.declared_poses);
+  if (!poses) return tl::unexpected(poses.error());
+  const auto features = declared_by_all<FeatureId>(comm, names.source, part.declared_features);
+  if (!features) return tl::unexpected(features.error());
+  const Declared declared{[&](std::uint64_t key) { return std::ranges::binary_search(*poses, key); },
+                          [&](std::uint64_t key) { return std::ranges::binary_search(*features, key); }};
+  if (undeclared == Undeclared::kRefused) return comm.agree(check_declared(part, declared, names));
+  leave_out_undeclared(declared, log, names);
+  return {};
 }
 
 /// The log in the lines of this rank; nullopt if they mention no pose or feature.
@@ -109,7 +147,7 @@ FactorGraph<Dim> renumbered(Log<Dim>& log, const LogPart<Dim>& whole) {
 }
 
 /// Ids of the poses that fix the gauge: those of FIX lines; otherwise, if nothing is measured from the World, the first pose of
-/// a file with vertices, at its own value.
+/// a file with vertices, if it has any, at its own value.
 template <int Dim>
 std::vector<std::uint64_t> poses_to_fix(const Communicator& comm, const TextPart& part, const LogPart<Dim>& log,
                                         bool has_vertices) {
@@ -117,22 +155,20 @@ std::vector<std::uint64_t> poses_to_fix(const Communicator& comm, const TextPart
   const bool has_priors =
       std::ranges::any_of(log.graph.pose_factors, is_prior) || std::ranges::any_of(log.graph.feature_factors, is_prior);
   const bool is_held = comm.any(has_priors) || !part.fixed.empty();
-  return is_held || !has_vertices ? part.fixed : std::vector{log.poses.front().key};
+  return is_held || !has_vertices || log.poses.empty() ? part.fixed : std::vector{log.poses.front().key};
 }
 
 template <int Dim>
 Expected<AnyLogPart> log_part(const Communicator& comm, const TextPart& part, Log<Dim> log, const std::string& file,
                               const ReadOptions& options) {
-  LogPart<Dim> whole{file, log.conventions, skipped_by_all(comm, log.skipped), {}, {}, {}};
+  LogPart<Dim> whole{file, log.conventions, {}, log.poses, log.features, {}};
   whole.conventions.repairs = repairs_by_all(comm, log.conventions.repairs);
-  whole.poses = names_of_all(comm, log.poses);
-  whole.features = names_of_all(comm, log.features);
   const bool has_vertices = comm.any(!part.declared_poses.empty() || !part.declared_features.empty());
-  const auto check = [&](const auto& declared, const auto& names) {
-    return check_declared(comm, file, has_vertices, declared, names);
-  };
-  if (auto declared = check(part.declared_poses, whole.poses); !declared) return tl::unexpected(declared.error());
-  if (auto declared = check(part.declared_features, whole.features); !declared) return tl::unexpected(declared.error());
+  const auto settled = has_vertices ? settle_undeclared(comm, part, options.undeclared, log, whole) : Expected<void>();
+  if (!settled) return tl::unexpected(settled.error());
+  whole.skipped = skipped_by_all(comm, log.skipped);
+  whole.poses = names_of_all(comm, std::move(whole.poses));
+  whole.features = names_of_all(comm, std::move(whole.features));
   whole.graph = renumbered(log, whole);
   auto fixed = fixed_poses(comm, part, whole, poses_to_fix(comm, part, whole, has_vertices), options);
   if (!fixed) return tl::unexpected(fixed.error());

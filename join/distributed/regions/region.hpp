@@ -48,12 +48,6 @@ StateVariables<Dim> variables_of(const Region<Dim>& region) {
   return {region.poses.size(), region.features.size(), region.anchored};
 }
 
-/// The index among all names of a place of a region.
-template <int Dim>
-PoseOrFeature index_in(const Region<Dim>& region, const PoseOrFeature& placed) {
-  return std::visit([&](auto place) -> PoseOrFeature { return index_in(region, place); }, placed);
-}
-
 template <int Dim>
 struct Regions {
   Numbering numbering;

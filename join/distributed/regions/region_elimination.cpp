@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/distributed/regions/region_elimination.hpp>
+#include <mapjoin/join/free_to_move.hpp>
 #include <utility>
 
 namespace mapjoin::distributed {
@@ -23,30 +24,21 @@ double RegionElimination<Dim>::linearise(bool with_curvature) {
 }
 
 template <int Dim>
-std::optional<PoseOrFeature> RegionElimination<Dim>::factorise(double damping) {
-  const auto singular = system_.factorise(damping);
-  return singular ? std::optional(system_.place_of_variable(*singular)) : std::nullopt;
+std::string RegionElimination<Dim>::free_to_move(const PoseIds& poses, const FeatureIds& features) {
+  const auto singular = system_.factorise(0.0);
+  if (!singular) return "";
+  const Eigen::MatrixXd directions = equations().to_variables(solver_->null_space(kMostFreeDirections));
+  return mapjoin::free_to_move(system_, *singular, directions, poses, features);
 }
 
 template <int Dim>
 Eigen::VectorXd RegionElimination<Dim>::forward(const Eigen::VectorXd& b) const {
-  Eigen::VectorXd y(b.size());
-  for (const Variable v : equations().variables()) {
-    const int dof = equations().dof(v);
-    y.segment(equations().factor_column(v), dof) = b.segment(equations().offset(v), dof);
-  }
-  return solver_->solve_lower(std::move(y));
+  return solver_->solve_lower(equations().to_columns(b));
 }
 
 template <int Dim>
 Eigen::VectorXd RegionElimination<Dim>::backward(Eigen::VectorXd y) const {
-  y = solver_->solve_upper(std::move(y));
-  Eigen::VectorXd x(y.size());
-  for (const Variable v : equations().variables()) {
-    const int dof = equations().dof(v);
-    x.segment(equations().offset(v), dof) = y.segment(equations().factor_column(v), dof);
-  }
-  return x;
+  return equations().to_variables(solver_->solve_upper(std::move(y)));
 }
 
 template class RegionElimination<2>;

@@ -21,8 +21,10 @@ class RegionElimination {
   /// Makes H and g at the estimate, and returns chi2 there; with curvature, H is that of full Newton.
   double linearise(bool with_curvature);
   const NormalEquations& equations() const { return system_.equations(); }
-  /// Factorises all but the border. Returns a singular place, or nullopt.
-  std::optional<PoseOrFeature> factorise(double damping);
+  /// Factorises all but the border; false if it is singular.
+  bool factorise(double damping) { return !system_.factorise(damping); }
+  /// A sentence on what is free to move while the border stays, once linearised; "" if nothing is. The names are by place.
+  std::string free_to_move(const PoseIds& poses, const FeatureIds& features);
   /// Bytes of the factor, known before it is factorised.
   std::int64_t bytes() const { return solver_->bytes(); }
   /// The Schur complement over the border, by its lower triangle.

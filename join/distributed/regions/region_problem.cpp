@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/distributed/regions/region_problem.hpp>
+#include <mapjoin/join/free_to_move.hpp>
 #include <utility>
 
 namespace mapjoin::distributed {
@@ -29,9 +30,16 @@ RegionProblem<Dim>::RegionProblem(const Communicator& comm, Regions<Dim>& region
 template <int Dim>
 std::optional<Variable> RegionProblem<Dim>::factorise(double damping) {
   const auto singular = system_.factorise(damping);
-  singular_here_.reset();
-  if (singular && solver_->is_singular_here()) singular_here_ = index_in(region_, system_.place_of_variable(*singular));
+  singular_here_ = solver_->is_singular_here() ? singular : std::nullopt;
   return singular;
+}
+
+template <int Dim>
+std::string RegionProblem<Dim>::free_here(const LogPart<Dim>& whole) const {
+  if (!singular_here_) return "";
+  const Eigen::MatrixXd directions = system_.equations().to_variables(solver_->null_space_here(kMostFreeDirections));
+  return free_to_move(system_, *singular_here_, directions, names_at(region_.poses, whole.poses),
+                      names_at(region_.features, whole.features));
 }
 
 template <int Dim>

@@ -35,8 +35,8 @@ class RegionProblem {
   RegionSolver& solver() { return *solver_; }
   /// Bytes of memory for the factor of this rank.
   std::int64_t factor_bytes() const { return solver_->bytes_in_memory(); }
-  /// The pose or feature of this rank's region that the last factorisation found singular, by its index among all names.
-  std::optional<PoseOrFeature> singular_here() const { return singular_here_; }
+  /// A sentence on what the last factorisation found free to move within this rank's region; "" if nothing.
+  std::string free_here(const LogPart<Dim>& whole) const;
 
  private:
   const Communicator& comm_;
@@ -46,7 +46,7 @@ class RegionProblem {
   RegionSolver* solver_;  // owned by the system
   JoiningSystem<Dim> system_;
   SharedEntries shared_;
-  std::optional<PoseOrFeature> singular_here_;
+  std::optional<Variable> singular_here_;
 };
 
 }  // namespace mapjoin::distributed

@@ -40,6 +40,8 @@ class RegionSolver final : public SparseSolver {
   double interface_megabytes() const { return outer_.size > 0 ? mumps_->megabytes() : 0.0; }
   /// True if the last factorisation found singular columns among those that this rank eliminates alone.
   bool is_singular_here() const { return is_singular_here_; }
+  /// Directions that the last factorisation found free among these, at most so many, in elimination order; see SparseCholesky.
+  Eigen::MatrixXd null_space_here(std::size_t most) const { return cholesky_.null_space(most); }
 
  private:
   const Communicator& comm_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <functional>
 #include <mapjoin/distributed/regions/regions_in_turn.hpp>
+#include <mapjoin/join/free_to_move.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -66,8 +67,7 @@ void RegionsInTurn<Dim>::eliminate(std::size_t k, DenseBlock schur_complement) {
   const auto region = linearised(k);
   part(gradient_, k) = region->equations().gradient();
   if (!is_curved_) part(diagonal_, k) = region->equations().diagonal();  // D stays that of Gauss-Newton
-  const auto singular = region->factorise(damping_);
-  eliminated_[k].singular = singular ? std::optional(index_in(regions_[k], *singular)) : std::nullopt;
+  eliminated_[k].is_singular = !region->factorise(damping_);
   eliminated_[k].forward = region->forward(part(gradient_, k));
   schur_complement.template triangularView<Eigen::Lower>() = region->schur_complement();
 }
@@ -80,7 +80,7 @@ void RegionsInTurn<Dim>::eliminate_all(double damping) {
     if (interface_.borders[k].faces.empty()) eliminate(k, {nullptr, 0, 0, Eigen::OuterStride<>(0)});
   }
   const bool is_singular = !solver_.factorise(interface_.faces, fronts_).empty();
-  is_singular_ = comm_.any(is_singular || singular_here().has_value());
+  is_singular_ = comm_.any(is_singular || std::ranges::any_of(eliminated_, &Eliminated::is_singular));
   is_factorised_ = true;
 }
 
@@ -158,9 +158,12 @@ double RegionsInTurn<Dim>::try_step(const Eigen::VectorXd& step) {
 }
 
 template <int Dim>
-std::optional<PoseOrFeature> RegionsInTurn<Dim>::singular_here() const {
-  const auto first = std::ranges::find_if(eliminated_, [](const Eliminated& region) { return region.singular.has_value(); });
-  return first == eliminated_.end() ? std::nullopt : first->singular;
+std::string RegionsInTurn<Dim>::free_here(const LogPart<Dim>& whole) {
+  const auto first = std::ranges::find_if(eliminated_, &Eliminated::is_singular);
+  if (first == eliminated_.end()) return "";
+  const auto k = static_cast<std::size_t>(first - eliminated_.begin());
+  const Region<Dim>& region = regions_[k];
+  return linearised(k)->free_to_move(names_at(region.poses, whole.poses), names_at(region.features, whole.features));
 }
 
 template class RegionsInTurn<2>;

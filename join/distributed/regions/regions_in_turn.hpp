@@ -36,15 +36,15 @@ class RegionsInTurn {
   RegionSolver& solver() { return solver_; }
   /// Bytes of memory for the part of its factor that this rank holds at a time.
   std::int64_t factor_bytes() const { return solver_.bytes_in_memory() + largest_bytes_; }
-  /// The pose or feature of a region of this rank that the last factorisation found singular, by its index among all names.
-  std::optional<PoseOrFeature> singular_here() const;
+  /// A sentence on what the last factorisation found free to move within a region of this rank; "" if nothing.
+  std::string free_here(const LogPart<Dim>& whole);
 
  private:
   /// The results of a region's elimination that are kept.
   struct Eliminated {
     double chi2 = 0.0;
-    Eigen::VectorXd forward;                ///< RegionElimination::forward() of the gradient.
-    std::optional<PoseOrFeature> singular;  ///< Singular pose or feature, by its index among all names.
+    Eigen::VectorXd forward;  ///< RegionElimination::forward() of the gradient.
+    bool is_singular = false;
   };
   /// The entries of a region in a vector.
   auto part(Eigen::VectorXd& v, std::size_t region) const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <mapjoin/io/formats/edge_text_piece.hpp>
+#include <mapjoin/io/formats/undeclared.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numeric>
@@ -115,37 +116,15 @@ class EdgeTextReader {
   /// The error of the first line that names an id neither declared by a vertex nor foreign, found in a second pass over the
   /// file.
   Error first_undeclared() const {
-    for (TextScanner text = begin_; text.next_line();) {
-      const std::string_view tag = text.word();
-      const Place place = text.place();
-      const std::optional<std::string> missing = undeclared_in(tag, text);
-      if (!missing) continue;
-      return text
-          .error(place,
-                 fmt::format("the file declares vertices, but not {}; give the file that does, too, or --skip-undeclared",
-                             *missing))
-          .value();
-    }
-    return {};
-  }
-
-  /// The pose or feature that a line names and no vertex declares; nullopt if none.
-  std::optional<std::string> undeclared_in(std::string_view tag, TextScanner& text) const {
-    const PriorTag* prior = format_.prior(tag);
-    const bool is_edge = tag == format_.edge_tag;
-    if (is_edge && context_.options.undeclared == Undeclared::kForeign) return std::nullopt;
-    if (!is_edge && !prior && tag != format_.observation_tag) return std::nullopt;
-    const auto pose = [&](std::uint64_t key) {
-      return poses_.contains(key) ? std::nullopt : std::optional(to_string(PoseId{0, key}));
-    };
-    const auto feature = [&](std::uint64_t key) {
-      return features_.contains(key) ? std::nullopt : std::optional(to_string(FeatureId{key}));
-    };
-    const std::uint64_t first = text.key();
-    if (prior) return prior->kind == PriorTag::Kind::kFeature ? feature(first) : pose(first);
-    const std::uint64_t second = text.key();
-    if (auto missing = pose(first)) return missing;
-    return is_edge ? pose(second) : feature(second);
+    const Declared declared{[&](std::uint64_t key) { return poses_.contains(key); },
+                            [&](std::uint64_t key) { return features_.contains(key); }};
+    const bool with_edges = context_.options.undeclared != Undeclared::kForeign;
+    const auto missing = mapjoin::first_undeclared(begin_, format_, declared, with_edges).value();
+    return begin_
+        .error(missing.place,
+               fmt::format("the file declares vertices, but not {}; give the file that does as FURTHER, or --skip-undeclared",
+                           missing.name))
+        .value();
   }
 
   TextScanner begin_;

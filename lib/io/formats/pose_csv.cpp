@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
@@ -11,45 +14,49 @@
 namespace mapjoin {
 namespace {
 
-/// One line of the table.
+/// The columns of a pose, in their order.
 template <int Dim>
-struct PoseRow {
-  PoseId id;
-  Pose<Dim> pose;
-  std::int64_t stamp_ns = 0;
-};
+std::vector<std::string> pose_columns() {
+  if constexpr (Dim == 2) {
+    return {"x", "y", "phi"};
+  } else {
+    return {"x", "y", "z", "qx", "qy", "qz", "qw"};
+  }
+}
+
+template <int Dim>
+bool has_poses(const std::vector<std::string>& columns) {
+  const auto pose = pose_columns<Dim>();
+  return has_column(columns, "pose") && std::ranges::search(columns, pose).begin() != columns.end();
+}
 
 /// Reads a line; at the column x it reads the whole pose.
 template <int Dim>
-PoseRow<Dim> read_row(const std::vector<std::string>& columns, TextScanner& text) {
+void read_row(const std::vector<std::string>& columns, TextScanner& text, GlobalMap<Dim>& table) {
   static const std::vector<std::string> kBehindX = {"y", "z", "phi", "qx", "qy", "qz", "qw"};
-  PoseRow<Dim> row;
+  PoseId id;
   for (const std::string& column : columns) {
     if (column == "session") {
-      row.id.session = read_session(text);
+      id.session = read_session(text);
     } else if (column == "pose") {
-      row.id.key = text.key();
+      id.key = text.key();
     } else if (column == "x") {
-      row.pose = read_g2o_pose<Dim>(text);
+      table.poses.push_back(read_g2o_pose<Dim>(text));
     } else if (column == "stamp_ns") {
-      row.stamp_ns = text.integer();
+      table.stamps_ns.push_back(text.integer());
     } else if (!has_column(kBehindX, column)) {
       text.word();
     }
   }
-  return row;
+  table.pose_ids.push_back(id);
 }
 
 template <int Dim>
-Expected<AnyLog> read_rows(const std::vector<std::string>& columns, TextScanner text) {
-  LogBuilder<Dim> builder(text.source());
-  text.next_line();
-  const auto read_line = [&] {
-    const PoseRow<Dim> row = read_row<Dim>(columns, text);
-    builder.add_pose(row.id, row.pose);
-    if (has_column(columns, "stamp_ns")) builder.add_stamp(row.id, row.stamp_ns);
-  };
-  return text.each_line(read_line).and_then([&]() -> Expected<AnyLog> { return std::move(builder).finish(); });
+Expected<AnyLog> log_of_poses(const GlobalMap<Dim>& table, const std::string& file) {
+  LogBuilder<Dim> builder(file);
+  for (const PoseIndex p : indices(table.poses)) builder.add_pose(table.pose_ids[p], table.poses[p]);
+  for (const PoseIndex p : indices(table.stamps_ns)) builder.add_stamp(table.pose_ids[p], table.stamps_ns[p]);
+  return std::move(builder).finish();
 }
 
 }  // namespace
@@ -59,18 +66,32 @@ bool is_pose_csv(std::string_view bytes) {
   return has_column(columns, "pose") && has_column(columns, "x") && has_column(columns, "y");
 }
 
-Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions&) {
+template <int Dim>
+Expected<GlobalMap<Dim>> read_pose_table(std::string_view bytes, const std::string& file) {
   const std::vector<std::string> columns = csv_columns(bytes);
-  const auto follow = [&](const std::vector<std::string>& names) {
-    return std::search(columns.begin(), columns.end(), names.begin(), names.end()) != columns.end();
-  };
   if (auto named = check_named_once(columns, {"session", "pose", "x", "stamp_ns"}, file); !named)
     return tl::unexpected(named.error());
+  if (!has_poses<Dim>(columns)) {
+    return bad_input(
+        fmt::format("{}: its first line does not name the columns pose and {}", file, fmt::join(pose_columns<Dim>(), ",")));
+  }
   const std::string blanks = with_blanks(bytes);
-  const TextScanner text(file, blanks);
-  if (has_column(columns, "pose") && follow({"x", "y", "phi"})) return read_rows<2>(columns, text);
-  if (has_column(columns, "pose") && follow({"x", "y", "z", "qx", "qy", "qz", "qw"})) return read_rows<3>(columns, text);
-  return bad_input(file + ": its first line does not name the columns pose and x,y,phi, or x,y,z,qx,qy,qz,qw");
+  TextScanner text(file, blanks);
+  text.next_line();
+  GlobalMap<Dim> table;
+  return text.each_line([&] { read_row(columns, text, table); }).map([&] { return std::move(table); });
 }
+
+Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions&) {
+  const auto read_as = [&]<int Dim>(const GlobalMap<Dim>&) {
+    return read_pose_table<Dim>(bytes, file).and_then([&](const GlobalMap<Dim>& table) { return log_of_poses(table, file); });
+  };
+  const std::vector<std::string> columns = csv_columns(bytes);
+  const bool is_in_space = !has_poses<2>(columns) && has_column(columns, "z");
+  return is_in_space ? read_as(GlobalMap<3>()) : read_as(GlobalMap<2>());
+}
+
+template Expected<GlobalMap<2>> read_pose_table<2>(std::string_view, const std::string&);
+template Expected<GlobalMap<3>> read_pose_table<3>(std::string_view, const std::string&);
 
 }  // namespace mapjoin

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
+#include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/log.hpp>
 #include <string>
 #include <string_view>
@@ -26,10 +27,14 @@ Expected<void> take_ids_as_stamps(Log<Dim>& log);
 /// True if a text begins with the header of the table of a map's poses.
 bool is_pose_csv(std::string_view bytes);
 
-/// The poses of a table that write_csv() could have written, under their ids, with their time stamps if there are any. The
-/// header names the columns: `pose`, `x`, `y`, then `phi` in the plane or `z`, `qx`, `qy`, `qz`, `qw` in space; `session` and
-/// `stamp_ns` are optional, and any other column is passed over. Bad input, with its place: a missing column or number, a pose
-/// with two lines.
+/// The poses of a table that write_csv() could have written, in its order and under their ids, with their time stamps if there
+/// are any. The header names the columns: `pose`, `x`, `y`, then `phi` in the plane or `z`, `qx`, `qy`, `qz`, `qw` in space;
+/// `session` and `stamp_ns` are optional, and any other column is passed over. Bad input, with its place: a missing column or
+/// number.
+template <int Dim>
+Expected<GlobalMap<Dim>> read_pose_table(std::string_view bytes, const std::string& file);
+
+/// The poses of read_pose_table() as a log, in the dimension of the header. Bad input, too, if a pose has two lines.
 Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions& options);
 
 }  // namespace mapjoin

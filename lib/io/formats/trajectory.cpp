@@ -86,9 +86,14 @@ std::optional<std::int64_t> nanoseconds(std::string_view word) {
   std::string digits(word.substr(0, point));
   digits += fraction.substr(0, 9);
   digits.append(9 - std::min<std::size_t>(9, fraction.size()), '0');
+  using Limits = std::numeric_limits<std::int64_t>;
   std::int64_t exact = 0;
-  if (fraction.find_first_not_of("0123456789") == fraction.npos && parse(digits, exact)) return exact;
-  constexpr auto kEnd = static_cast<double>(std::numeric_limits<std::int64_t>::max() / kSecond);
+  if (fraction.find_first_not_of("0123456789") == fraction.npos && parse(digits, exact)) {
+    const bool is_next_nearer = fraction.size() > 9 && fraction[9] >= '5';
+    if (!is_next_nearer) return exact;
+    if (exact > Limits::min() && exact < Limits::max()) return exact + (word.front() == '-' ? -1 : 1);
+  }
+  constexpr auto kEnd = static_cast<double>(Limits::max() / kSecond);
   double seconds = 0.0;
   if (!parse(word, seconds) || !(std::abs(seconds) < kEnd)) return std::nullopt;
   return std::llround(seconds * static_cast<double>(kSecond));

@@ -13,8 +13,8 @@
 
 namespace mapjoin {
 
-/// A time in seconds as nanoseconds, exactly if it is written without an exponent, decimals beyond the ninth cut off; nullopt
-/// for other words.
+/// A time in seconds as nanoseconds, rounded to the nearest, exactly if it is written without an exponent; nullopt for other
+/// words.
 std::optional<std::int64_t> nanoseconds(std::string_view word);
 
 /// A time in nanoseconds as seconds.

@@ -124,6 +124,11 @@ Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options, Extent e
 }
 
 template <int Dim>
+std::optional<UndeclaredName> first_undeclared_in_g2o(TextScanner text, const Declared& declared) {
+  return first_undeclared(std::move(text), format<Dim>(), declared, true);
+}
+
+template <int Dim>
 Expected<void> write_g2o(const Log<Dim>& log, const std::filesystem::path& path) {
   const Table<PoseIndex, Pose<Dim>> poses = pose_vertices(log);
   if (auto expressible = check_expressible(log, !poses.empty()); !expressible) return expressible;
@@ -149,6 +154,8 @@ Expected<void> write_g2o(const GlobalMap<Dim>& map, const Log<Dim>* log, const s
   return write_edge_text(contents, format<Dim>(), path);
 }
 
+template std::optional<UndeclaredName> first_undeclared_in_g2o<2>(TextScanner, const Declared&);
+template std::optional<UndeclaredName> first_undeclared_in_g2o<3>(TextScanner, const Declared&);
 template Expected<void> write_g2o(const Log<2>&, const std::filesystem::path&);
 template Expected<void> write_g2o(const Log<3>&, const std::filesystem::path&);
 template Expected<void> write_g2o(const GlobalMap<2>&, const Log<2>*, const std::filesystem::path&);

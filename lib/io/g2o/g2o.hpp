@@ -5,7 +5,9 @@
 
 #include <filesystem>
 #include <mapjoin/io/formats/edge_text.hpp>
+#include <mapjoin/io/formats/undeclared.hpp>
 #include <mapjoin/model/global_map.hpp>
+#include <optional>
 
 namespace mapjoin {
 
@@ -19,6 +21,11 @@ bool is_g2o_tag(std::string_view tag);
 /// Information matrices, including those of priors, are turned as `options` say. In a text that is not whole, ids need no
 /// vertices, and FIX is passed over.
 Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options, Extent extent = {});
+
+/// The first pose or feature that a line of a g2o file in this dimension names and no vertex declares; nullopt if there is
+/// none.
+template <int Dim>
+std::optional<UndeclaredName> first_undeclared_in_g2o(TextScanner text, const Declared& declared);
 
 /// Writes the log in the conventions used inside, with enough digits to bring back the same bits: a log read from such a file
 /// is written as the same bytes. Vertices are written if every pose and feature has an initial value. The file has one

@@ -40,6 +40,7 @@ Info info_of(const Contents<Dim>& contents) {
   };
   put(kPortion, contents.portion);
   put(kShare, contents.share);
+  if (contents.features_are_shared) info[kFeatures] = kSharedFeatures;
   visit_numbers(contents.log, [&]<typename Number>(const char* key, Number number) {
     if constexpr (std::is_enum_v<Number>) {
       info[key] = fmt::format("{}", static_cast<int>(number));

@@ -38,6 +38,8 @@ struct StoredMaps {
   std::string options;              ///< Options of the build, as given to StoreWriter.
   Portion portion = {};
   Share share = {};  ///< Share of the local maps that were to be built.
+  /// True if the user said that features of the same id are the same in the several inputs of the build.
+  bool features_are_shared = false;
 };
 
 }  // namespace mapjoin
@@ -57,6 +59,7 @@ struct Contents {
   const std::string& options;  ///< Options of the build, in the words of the builder.
   Portion portion = {};
   Share share = {};
+  bool features_are_shared = false;
 };
 
 /// Makes the tables in an empty database, and fills `info` and `records`.

@@ -47,7 +47,7 @@ bool take_number(const Info& info, const std::string& key, Number& number) {
 /// The log that LogBuilder makes of these arrays. Throws std::out_of_range if one refers to a pose or feature that is missing.
 template <int Dim>
 Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
-  LogBuilder<Dim> builder(source, log.conventions);
+  LogBuilder<Dim> builder(source, without_repairs(log.conventions));
   builder.append(log);
   return std::move(builder).finish(log.poses);
 }
@@ -83,6 +83,10 @@ Expected<StoredMaps<Dim>> read_arrays(Database& database, std::string_view rows)
   std::string fault;
   if (!take_one_of(*info, kPortion, stored.portion)) fault = "info portion makes no sense";
   if (!take_one_of(*info, kShare, stored.share)) fault = "info part makes no sense";
+  if (const auto features = info->find(kFeatures); features != info->end()) {
+    stored.features_are_shared = features->second == kSharedFeatures;
+    if (!stored.features_are_shared) fault = "info features makes no sense";
+  }
   visit_numbers(stored.log, [&](const char* key, auto& number) {
     if (!take_number(*info, key, number)) fault = fmt::format("info {} is missing or makes no sense", key);
   });

@@ -46,6 +46,9 @@ using Info = std::map<std::string, std::string>;
 inline constexpr const char* kPortion = "portion";
 /// The key in `info` of the share, "2/4", of a store that has not all local maps of its log.
 inline constexpr const char* kShare = "part";
+/// The key in `info` of what the ids of features mean in several inputs, "shared"; missing where nobody said it.
+inline constexpr const char* kFeatures = "features";
+inline constexpr const char* kSharedFeatures = "shared";
 /// The prefix of the keys that count what the reader of the log left out: "skipped self-edges".
 inline constexpr std::string_view kSkipped = "skipped ";
 

@@ -130,6 +130,7 @@ SubmapSet<Dim> submap_set_of(StoredMaps<Dim> stored, const fs::path& path) {
   set.graph.fixed = std::move(stored.log.graph.fixed);
   set.segments = std::move(stored.segments);
   set.conventions = stored.log.conventions;
+  set.features_are_shared = stored.features_are_shared;
   return set;
 }
 

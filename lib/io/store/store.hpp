@@ -26,12 +26,12 @@ template <int Dim>
 class StoreWriter {
  public:
   /// Begins the store as unfinished_store(path). A store that an interrupted build left there goes on if it holds the same log,
-  /// segments, options, portion and share; otherwise, or if it is damaged, it is begun afresh. For a portion, the log has all
-  /// poses and features and some of the factors. kCannotWrite if the file cannot be written, if another program's database has
-  /// that name, or if a prior has a lever.
+  /// segments, options, portion, share and word on features; otherwise, or if it is damaged, it is begun afresh. For a portion,
+  /// the log has all poses and features and some of the factors. kCannotWrite if the file cannot be written, if another
+  /// program's database has that name, or if a prior has a lever.
   static Expected<StoreWriter> open(const std::filesystem::path& path, const Log<Dim>& log,
                                     const std::vector<Segment>& segments, const std::string& options,
-                                    const Portion& portion = {}, const Share& share = {});
+                                    const Portion& portion = {}, const Share& share = {}, bool features_are_shared = false);
 
   /// Indices of the segments that are maps, ascending: done() need no further work, to_do() are the others.
   std::span<const std::size_t> done() const { return std::span(maps_).first(done_); }

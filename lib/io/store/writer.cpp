@@ -94,7 +94,7 @@ StoreWriter<Dim>::StoreWriter(fs::path path, Database database, Statement insert
 template <int Dim>
 Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Log<Dim>& log,
                                                   const std::vector<Segment>& segments, const std::string& options,
-                                                  const Portion& portion, const Share& share) {
+                                                  const Portion& portion, const Share& share, bool features_are_shared) {
   const fs::path target = link_target(path);
   std::error_code ignored;
   if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
@@ -102,7 +102,8 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
   }
   if (has_levers(log.graph)) return cannot_write(path, "a store has no place for priors with levers");
   bool found_damaged = false;
-  auto database = open_with(unfinished_store(path), Contents<Dim>{log, segments, options, portion, share}, found_damaged);
+  const Contents<Dim> contents{log, segments, options, portion, share, features_are_shared};
+  auto database = open_with(unfinished_store(path), contents, found_damaged);
   if (!database) return tl::unexpected(database.error());
   auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());
@@ -173,7 +174,7 @@ Expected<void> write_store(const SubmapSet<Dim>& set, const fs::path& path) {
   log.features = set.features;
   log.graph.fixed = set.graph.fixed;
   log.conventions = set.conventions;
-  auto store = StoreWriter<Dim>::open(path, log, set.segments, "");
+  auto store = StoreWriter<Dim>::open(path, log, set.segments, "", {}, {}, set.features_are_shared);
   if (!store) return tl::unexpected(store.error());
   for (std::size_t k = store->done().size(); k < set.graph.submaps.size(); ++k) {
     if (auto added = store->add(k, set.graph.submaps[k]); !added) return added;

@@ -149,6 +149,7 @@ void SparseCholesky::analyse(const BlockLower& matrix, std::span<const GivenFron
   tree_ = tree_of(matrix, given, border_);
   offsets_ = matrix.offsets;
   values_ = {};
+  singular_ = {};
 }
 
 void SparseCholesky::make_room() {
@@ -157,7 +158,8 @@ void SparseCholesky::make_room() {
 
 std::vector<std::int64_t> SparseCholesky::factorise(const BlockLower& matrix, std::span<const GivenFront> given) {
   make_room();
-  return Factorisation(tree_, matrix, given, &values_).run();
+  singular_ = Factorisation(tree_, matrix, given, &values_).run();
+  return singular_;
 }
 
 ConstDenseBlock SparseCholesky::panel(const FactorNode& node) const {
@@ -228,10 +230,11 @@ ConstDenseBlock SparseCholesky::schur_complement() const {
   return panel(tree_.nodes.back());
 }
 
-Eigen::MatrixXd SparseCholesky::null_space(const std::vector<std::int64_t>& singular) const {
+Eigen::MatrixXd SparseCholesky::null_space(std::size_t most) const {
   // A = L' L'ᵀ, where L' is L without its columns of the identity: if Lᵀ z is the unit vector of such a column, A z is zero.
-  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(offsets_.back(), static_cast<Eigen::Index>(singular.size()));
-  for (std::size_t k = 0; k < singular.size(); ++k) Z(singular[k], static_cast<Eigen::Index>(k)) = 1.0;
+  const std::size_t count = std::min(singular_.size(), most);
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(offsets_.back(), static_cast<Eigen::Index>(count));
+  for (std::size_t k = 0; k < count; ++k) Z(singular_[k], static_cast<Eigen::Index>(k)) = 1.0;
   solve_downwards(Z);
   return Z;
 }

@@ -54,8 +54,9 @@ class SparseCholesky final : public SparseSolver {
   Eigen::MatrixXd solve_upper(Eigen::MatrixXd B) const;
   /// The Schur complement S by its lower triangle; empty without a border.
   ConstDenseBlock schur_complement() const;
-  /// The null space of A, which must be positive semidefinite: a column for each of its singular columns.
-  Eigen::MatrixXd null_space(const std::vector<std::int64_t>& singular) const;
+  /// Directions of the null space of the factorised A, which must be positive semidefinite: a column for each of its singular
+  /// columns, of the first `most` of these. With a border they are of A_II, and the border stays.
+  Eigen::MatrixXd null_space(std::size_t most) const;
 
   Supernode supernode_of(std::int64_t column) const override;
   std::size_t supernode_count() const override;
@@ -75,6 +76,7 @@ class SparseCholesky final : public SparseSolver {
   SupernodalTree tree_;
   Table<Column, Eigen::Index> offsets_;  ///< The first scalar row of each block, and the total.
   FactorValues values_;                  ///< The panels of L.
+  std::vector<std::int64_t> singular_;   ///< Singular columns of the last factorisation.
 };
 
 /// The fronts of a factorisation, each with values of its own, for callers that keep some of them longer than others.

@@ -16,7 +16,7 @@ template <typename Dimension>
 class AlignmentTest : public ::testing::Test {};
 TYPED_TEST_SUITE(AlignmentTest, Dimensions);
 
-/// Poses and features here and there, with covariances.
+/// A map of random poses and features, with covariances.
 template <int Dim>
 PlottedMap<Dim> some_map() {
   Random random(7);
@@ -40,11 +40,11 @@ TYPED_TEST(AlignmentTest, TakesAMovedMapBackByWhatBothKnow) {
   PlottedMap<kDim> other = first;
   Random random(8);
   move(random.template pose<kDim>(), other);
-  other.map.pose_ids[2] = {1, 99};  // another pose,
+  other.map.pose_ids[2] = {1, 99};  // another pose
   other.map.poses[2] = Pose<kDim>{};
-  other.map.feature_ids.erase(other.map.feature_ids.begin());  // and a feature fewer
+  other.map.feature_ids.erase(other.map.feature_ids.begin());  // a feature fewer
   other.map.features.erase(other.map.features.begin());
-  const auto frame = alignment(other.map, first.map);
+  const auto frame = alignment(other, first);
   ASSERT_TRUE(frame);
   move(*frame, other);
   for (const PoseIndex k : {PoseIndex(0), PoseIndex(1), PoseIndex(3), PoseIndex(7)}) {
@@ -68,19 +68,40 @@ TYPED_TEST(AlignmentTest, TakesATrajectoryThatCountsItsPosesByItsTimes) {
   Random random(11);
   const Pose<kDim> motion = random.template pose<kDim>();
   move(motion, other);
-  const auto back = alignment(first.map, other.map);
+  const auto back = alignment(first, other);
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_LT((back->translation - motion.translation).norm(), 1e-12);
-  const auto frame = alignment(other.map, first.map);
+  const auto frame = alignment(other, first);
   ASSERT_TRUE(frame) << frame.error().message;
   move(*frame, other);
   EXPECT_LT((other.map.poses[3].translation - first.map.poses[6].translation).norm(), 1e-12);
 
   for (PoseIndex k = 1; k < 8; k = k + 2) first.map.pose_ids[k].session = 1;
-  const auto none = alignment(other.map, first.map);
+  const auto none = alignment(other, first);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().message,
             "sessions 0 and 1 are both under way at 2.001 s, and a trajectory does not say of which it is");
+}
+
+/// The clock of one log counts from when the robot was switched on, a second after its first pose.
+TYPED_TEST(AlignmentTest, TakesMapsByTheirNamesWhateverTheirClocksSay) {
+  constexpr int kDim = TypeParam::value;
+  PlottedMap<kDim> first = some_map<kDim>();
+  for (const PoseIndex k : indices(first.map.poses)) {
+    first.map.pose_ids[k].key = k.position();
+    first.map.stamps_ns.push_back(1'000'000'000 * std::int64_t{k.value});
+  }
+  first.map.features.clear();
+  first.map.feature_ids.clear();
+  first.odometry = first.map.poses;
+  PlottedMap<kDim> other = first;
+  for (std::int64_t& stamp : other.map.stamps_ns) stamp -= 1'000'000'000;
+  Random random(12);
+  move(random.template pose<kDim>(), other);
+  const auto frame = alignment(other, first);
+  ASSERT_TRUE(frame) << frame.error().message;
+  move(*frame, other);
+  EXPECT_LT((other.map.poses[3].translation - first.map.poses[3].translation).norm(), 1e-12);
 }
 
 TYPED_TEST(AlignmentTest, IsNoneWhereMapsShareTooLittle) {
@@ -90,7 +111,7 @@ TYPED_TEST(AlignmentTest, IsNoneWhereMapsShareTooLittle) {
   for (PoseId& id : other.map.pose_ids) id.session = 5;
   for (FeatureId& id : other.map.feature_ids) id.key += 100;
   other.map.feature_ids.front() = first.map.feature_ids.front();
-  EXPECT_FALSE(alignment(other.map, first.map));
+  EXPECT_FALSE(alignment(other, first));
 }
 
 TYPED_TEST(AlignmentTest, TakesTheTruthByItsKnownPart) {
@@ -116,7 +137,7 @@ TYPED_TEST(AlignmentTest, AMovedMapIsAsCertainInEveryDirection) {
   const Pose<kDim> motion = random.template pose<kDim>();
   PlottedMap<kDim> moved = first;
   move(motion, moved);
-  // A step of a pose: the same one, told in either frame, has the same Mahalanobis norm.
+  // A step of a pose has the same Mahalanobis norm in either frame.
   PoseVector<kDim> step = PoseVector<kDim>::LinSpaced(0.3, 1.7);
   PoseVector<kDim> turned = step;
   turned.template head<kDim>() = motion.rotation.matrix() * step.template head<kDim>();

@@ -13,8 +13,8 @@ template <typename Dimension>
 class LinksTest : public ::testing::Test {};
 TYPED_TEST_SUITE(LinksTest, testing::Dimensions);
 
-/// The first of two poses at the origin has seen each of so many features there with an error of 1, 2, … standard deviations
-/// in x, where only x is known.
+/// Observations of `features` features at the origin from the first of two poses there, with errors of 1, 2, … standard
+/// deviations in x, which alone is measured.
 template <int Dim>
 struct Seen {
   GlobalMap<Dim> map;
@@ -92,7 +92,7 @@ TEST(LinkClasses, OfRejectedAndUnweighedLinksAreTheirOwn) {
   EXPECT_EQ(unweighed, "loop closures");
 }
 
-/// CIE L* of a colour "#rrggbb".
+/// The CIE lightness L* of a colour "#rrggbb".
 double lightness(const std::string& colour) {
   const double weights[] = {0.2126, 0.7152, 0.0722};
   double Y = 0.0;

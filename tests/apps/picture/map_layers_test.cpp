@@ -14,7 +14,8 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// So many poses a metre apart on a line, each with a standard deviation of so many metres.
+/// A map of `poses` poses a metre apart on a line, each coordinate with this standard deviation; without covariances if it is
+/// 0.
 PlottedMap<2> line_of(int poses, double deviation = 0.0) {
   PlottedMap<2> plotted;
   for (int k = 0; k < poses; ++k) {

@@ -14,7 +14,7 @@ using testing::count_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Round and round, ever wider.
+/// A spiral, a radian and a metre of radius from point to point.
 FlatLine spiral(std::size_t points) {
   FlatLine path;
   for (std::size_t k = 0; k < points; ++k) {
@@ -36,7 +36,7 @@ TEST(Picture, DrawsEveryLayerOverTheOneBefore) {
   EXPECT_LT(svg.find("stroke=\"red\" stroke-width"), svg.find("stroke=\"blue\" stroke-width"));
   EXPECT_THAT(svg, HasSubstr("first &amp; last</text>"));
   EXPECT_LT(svg.find("second</text>"), svg.find("first &amp; last</text>"));
-  EXPECT_EQ(count_of(svg, "</text>"), 3U);  // scale and two names: what has none is not in the legend
+  EXPECT_EQ(count_of(svg, "</text>"), 3U);  // scale and two names: a layer without one is not in the legend
   EXPECT_EQ(count_of(svg, "r=\"4.5\""), 3U);
 }
 

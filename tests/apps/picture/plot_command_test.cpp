@@ -19,7 +19,7 @@ using ::testing::Not;
 class Plot : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (folder.path() / name).string(); }
-  /// The picture that a call makes.
+  /// The picture that `mapjoin plot` makes, as SVG.
   std::string picture(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "plot");
     arguments.insert(arguments.end(), {"-o", path("plot.svg"), "--quiet"});
@@ -44,7 +44,7 @@ TEST_F(Plot, TheFolderOfARunShowsAllThatIsKnown) {
                                  "truth", "residual ≤ 2 × typical"}) {
     EXPECT_EQ(count_of(svg, ">" + name + "<"), 1U) << name;
   }
-  EXPECT_EQ(count_of(svg, "<ellipse rx"), 143U + 20U);  // of all features, and of the ends of 20 maps
+  EXPECT_EQ(count_of(svg, "<ellipse rx"), 143U + 20U);  // of 143 features, and of the ends of 20 maps
   EXPECT_EQ(picture({path("run/map.g2o"), "--truth", kBundledTruth}), svg);
   // The run's own picture is the same but for the truth.
   EXPECT_EQ(picture({path("run")}), content_of(path("run/map.svg")));
@@ -54,7 +54,7 @@ TEST_F(Plot, ALogWithoutValuesIsDrawnByItsOdometry) {
   const std::string svg = picture({kBundledLog});
   EXPECT_EQ(count_of(svg, ">odometry alone<"), 1U);
   EXPECT_EQ(count_of(svg, ">trajectory<"), 0U);
-  EXPECT_EQ(count_of(svg, "<circle"), 143U + 1U);  // and one in the legend
+  EXPECT_EQ(count_of(svg, "<circle"), 143U + 1U);  // 143 features, and one in the legend
 }
 
 TEST_F(Plot, LocalMapsAreJoinedFirstAndTheirClosuresDrawn) {
@@ -176,7 +176,7 @@ TEST_F(Plot, TheFolderOfARunOfSeveralSessionsIsReadByTheNamesOfTheirLogs) {
     }
     return folder.file(name, text).string();
   };
-  // The second session comes first in the g2o file, has its ids moved there, and both.
+  // The ids of the second session are lower than those of the first, then the same: in a g2o file they are others.
   const std::string low = log_from("low.g2o", 0);
   for (const auto& [a, b] : {std::pair(log_from("high.g2o", 1000), low), {low, log_from("same.g2o", 0)}}) {
     ASSERT_EQ(

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Looks at a page of `mapjoin plot` from within, for the tests: what it says is JSON in an element of its own.
+// Probes of a page of `mapjoin plot` from within, for the tests; what they find is JSON in an element of its own.
 "use strict";
 
-/// A number that tells one picture from another; 0 where nothing is drawn.
+/// A number that tells one picture from another; 0 if nothing is drawn.
 function fingerprint() {
   viewer.view.drawNow();
   const gl = viewer.view.renderer.getContext();
@@ -13,7 +13,7 @@ function fingerprint() {
   return sum;
 }
 
-/// What each layer's switch does: whether the picture changes by it, and is the same again after switching back.
+/// The name and colour of each layer, whether its switch changes the picture, and whether switching back restores it.
 function switchLayers() {
   return Array.from(document.querySelectorAll("#layers label"), (label) => {
     const before = fingerprint();
@@ -25,7 +25,7 @@ function switchLayers() {
   });
 }
 
-/// The tip over a place of the map's frame (m), or null where none is shown.
+/// The text of the tip over a place in the frame of the map (m); null if none is shown.
 function tipOver(...place) {
   const at = {};
   const { centre } = viewer.scene;
@@ -39,8 +39,8 @@ function tipOver(...place) {
   return tip.hidden ? null : tip.innerText;
 }
 
-/// What comes of looking for an id: words, the tip, and how far the ring around the pose is from the middle of what the panel
-/// leaves free (pixels).
+/// The result of searching for an id: the words below the field, the tip, and how far the ring around the pose is from the
+/// middle of what the panel leaves free (pixels).
 function find(id) {
   document.getElementById("find-id").value = id;
   document.getElementById("find").requestSubmit();
@@ -58,14 +58,14 @@ function find(id) {
 const layerNamed = (name) => viewer.layers.find((layer) => layer.name === name);
 const pointsOf = (layer) => Array.from(layer.object.geometry.attributes.position.array);
 
-/// Where a pose is on the page.
+/// The place of a pose on the page (pixels).
 function pixelsOf(pose) {
   const at = {};
   viewer.view.projector()(viewer.scene.maps[0].poses, pose, at);
   return [at.x, at.y];
 }
 
-/// Where a pose is before and after the wheel was turned over it, and by what share the map has grown.
+/// The places of a pose before and after the wheel is turned over it, and the ratio of the zooms.
 function zoomOver(pose) {
   const before = pixelsOf(pose);
   const { zoom } = viewer.view.camera;
@@ -74,7 +74,7 @@ function zoomOver(pose) {
   return { before, after: pixelsOf(pose), share: viewer.view.camera.zoom / zoom };
 }
 
-/// Where a pose is before and after the pointer was dragged.
+/// The places of a pose before and after the pointer is dragged.
 function drag(pose, dx, dy) {
   const before = pixelsOf(pose);
   const { canvas } = viewer.view;
@@ -88,7 +88,7 @@ function drag(pose, dx, dy) {
 
 const median = (values) => values.slice().sort((a, b) => a - b)[values.length >> 1];
 
-/// How long a frame takes (ms) and how many items it has at rest, and in motion after twenty frames that took 200 ms; and whether
+/// The time of a frame (ms) and its numbers of items at rest, and in motion after twenty frames that took 200 ms; and whether
 /// the picture is the same again afterwards.
 function moveAndRest() {
   const { view } = viewer;
@@ -113,7 +113,7 @@ function moveAndRest() {
   return { atRest, inMotion, comesBack: fingerprint() === before };
 }
 
-/// What the panel says of the local map of a number, typed in as a user does.
+/// The words of the panel on the local map of this number, typed in as by a user, and the picture.
 function pickLocalMap(number) {
   const field = document.getElementById("local-map-number");
   field.value = number;
@@ -121,7 +121,7 @@ function pickLocalMap(number) {
   return { text: document.getElementById("local-map-figures").innerText.split("\n"), picture: fingerprint() };
 }
 
-/// The picture and the words at a stop of the slider.
+/// The words at a stop of the slider, and the picture.
 function slideTo(stop) {
   const slider = document.getElementById("stop");
   slider.value = stop;
@@ -129,7 +129,7 @@ function slideTo(stop) {
   return { text: document.getElementById("stop-text").textContent, picture: fingerprint() };
 }
 
-/// Calls `probe` and leaves what it returns, and what went wrong on the page, for the test to read.
+/// Calls `probe` and leaves what it returns, with what went wrong on the page, in an element for the test to read.
 function report(probe) {
   const found = { errors: window.problems };
   try {

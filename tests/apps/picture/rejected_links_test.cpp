@@ -26,7 +26,7 @@ class RejectedLinksTest : public ::testing::Test {
     EXPECT_TRUE(write_csv(map_, folder_.path() / "poses.csv", folder_.path() / "features.csv"));
     EXPECT_TRUE(write_g2o<2>(map_, nullptr, folder_.path() / "map.g2o"));
   }
-  /// Those of a `rejected.csv` with these lines.
+  /// The links of a `rejected.csv` with these lines.
   std::vector<Link> links(const std::string& lines) const {
     folder_.file("rejected.csv", "kind,from,to,chi2,probability,why,from_session,to_session\n" + lines);
     const auto log = std::get<Log<2>>(open_log(folder_.path()).value());

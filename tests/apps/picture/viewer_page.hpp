@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 inline const std::string kProbe = content_of(kTestSources / "apps/picture/probe.js");
 
-/// Pages in headless Chromium, where it is installed.
+/// Pages in headless Chromium; skips if it is not installed.
 class ViewerPage : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -29,7 +29,7 @@ class ViewerPage : public ::testing::Test {
     return content_of(path("page.html"));
   }
 
-  /// What the expression `probe`, a JavaScript object, is on the page.
+  /// The value of the expression `probe`, a JavaScript object, on the page, and the `errors` of the page.
   Json found_on(std::string page, const std::string& probe, const std::string& graphics = "--use-angle=swiftshader") const {
     const std::string watch =
         "<script>window.problems = []; addEventListener('error', (e) => problems.push(e.message));"
@@ -61,7 +61,7 @@ class ViewerPage : public ::testing::Test {
   TemporaryFolder folder;
 };
 
-/// Poses and features whose names are not their places in the file, with closures, far from the origin.
+/// Poses and features whose ids are not their places in the file, with a closure, far from the origin.
 inline const std::string kNamedMap =
     "VERTEX_SE2 10 1000000 5 0\nVERTEX_SE2 20 1000004 5 1.5\nVERTEX_SE2 35 1000004 9 3.1\nVERTEX_SE2 41 1000000 9 -1.6\n"
     "VERTEX_XY 700 1000002 7\nVERTEX_XY 800 1000006 10\n"

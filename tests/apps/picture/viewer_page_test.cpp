@@ -35,7 +35,7 @@ TEST_F(ViewerPage, DrawsAndSwitchesItsLayersWithoutComplaint) {
                                      "3σ of features", "residual 2–4 × typical", "residual ≤ 2 × typical", "odometry alone"));
 }
 
-/// Of kNamedMap: all zero.
+/// The covariances of kNamedMap, all zero.
 Json covariances_of_named_map() {
   Json covariances = {{"dimension", 2}, {"poses", Json::array()}, {"features", Json::array()}};
   const auto add = [&](const char* things, Json line, double x, double y, std::size_t numbers) {
@@ -71,7 +71,7 @@ TEST_F(ViewerPage, HasSessionsInColoursOfTheirOwn) {
   for (const Json& layer : found["layers"]) {
     names.push_back(layer["name"]);
     colours.push_back(layer["colour"]);
-    EXPECT_EQ(layer["changes"], names.back() != "odometry alone") << layer;  // which lies below the trajectory
+    EXPECT_EQ(layer["changes"], names.back() != "odometry alone") << layer;  // odometry alone lies below the trajectory
   }
   EXPECT_THAT(names, ::testing::ElementsAre("residual > 8 × typical", "poses", "poses 0 to 1", "poses 2 to 3",
                                             "residual ≤ 2 × typical", "odometry alone"));
@@ -94,7 +94,7 @@ TEST_F(ViewerPage, MovesSmoothlyWithAHundredThousandPoses) {
   EXPECT_TRUE(found["comesBack"]) << "the whole map after a move";
   std::cout << "a frame, at rest and in motion: " << found["atRest"] << ", " << found["inMotion"] << '\n';
   EXPECT_EQ(found["atRest"]["points"], 20000);
-  EXPECT_EQ(found["atRest"]["lines"], 99999 + 20000);  // of the trajectory, and observations
+  EXPECT_EQ(found["atRest"]["lines"], 99999 + 20000);  // of the trajectory and of observations
   EXPECT_LE(found["inMotion"]["points"], 4000);
   EXPECT_LE(found["inMotion"]["lines"], 2 * 4000);
   EXPECT_GT(found["inMotion"]["lines"], 0);
@@ -143,7 +143,7 @@ TEST_F(ViewerPage, TurnsAMapInSpace) {
                               "{dragged: [0, 3].map((pose) => drag(pose, 90, 0)), "
                               "tip: tipOver(4, 3, 9)}");
   EXPECT_EQ(found["errors"], Json::array());
-  // What is above one another turns about the vertical: the two ends go apart, or nearer, to the side.
+  // The map turns about a vertical axis, and poses at different places move sideways by different distances.
   const auto aside = [&](std::size_t k) {
     return found["dragged"][k]["after"][0].get<double>() - found["dragged"][k]["before"][0].get<double>();
   };

@@ -29,7 +29,7 @@ TEST_F(ViewerPage, FindsAPoseByItsIdAndNamesIt) {
   }
 }
 
-/// Two robots with a pose each of one number.
+/// Two robots with a pose each, of the same number.
 apps::PlottedMap<2> two_poses() {
   apps::PlottedMap<2> plotted;
   plotted.map.pose_ids = {{0, 7}, {2, 7}};

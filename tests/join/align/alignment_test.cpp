@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where partial maps are placed, against Eigen's Umeyama and against the chi2 of the observations between them.
+// The placement of partial maps, against Eigen's Umeyama and against the chi2 of the observations between them.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -111,7 +111,7 @@ TYPED_TEST(AlignmentTest, TriesTheFirstTheMiddleAndTheLastOfSharedPoses) {
     correspondences.add_pose(this->random_.template pose<kDim>(4.0, 2.0), this->random_.template pose<kDim>(4.0, 2.0));
   }
   const auto tries = correspondences.candidates();
-  ASSERT_EQ(tries.size(), 4u);  // and all of them as points
+  ASSERT_EQ(tries.size(), 4u);  // three shared poses, and all of them as points
   for (const auto& [k, pose] : {std::pair{0u, 0u}, {1u, 2u}, {2u, 4u}}) {
     EXPECT_EQ(local(tries[k], correspondences.alignments[pose]).norm(), 0.0);
     const auto is_this = [&, k = k](const Pose<kDim>& alignment) { return local(alignment, tries[k]).norm(); };

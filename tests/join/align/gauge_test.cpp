@@ -17,7 +17,7 @@ using testing::largest_difference;
 using testing::small_world;
 using testing::SmallWorld;
 
-/// A log whose frame the World gives: its truth stands somewhere else than at the origin.
+/// Logs whose frame is given by fixed poses and priors, with the truth away from the origin.
 template <typename D>
 class WorldTest : public ::testing::Test {
  protected:
@@ -35,7 +35,7 @@ class WorldTest : public ::testing::Test {
     return {kWorld, pose, retract(world.truth.pose(pose), PoseVector<kDim>(random.vector<kDof>(0.02))),
             1e3 * random.information<kDof>()};
   }
-  /// A position that says nothing of the rotation.
+  /// A prior of a position without information on the rotation, as of GPS.
   PoseFactor<kDim> gps(PoseIndex pose) {
     auto position = prior(pose);
     position.information.template rightCols<kRot>().setZero();
@@ -136,14 +136,15 @@ class PlaceInWorldTest : public ::testing::Test {
     }
   }
 
-  /// Of a pose as it is, turned by so much; with what it measures.
+  /// A prior of the true position or rotation of a pose, or of both; its rotation is off by `turn` in each entry of the
+  /// rotation vector (rad).
   PoseFactor<kDim> prior(PoseIndex pose, double turn, bool measures_position, bool measures_rotation) {
     PoseVector<kDim> weights;
     weights << Point<kDim>::Constant(measures_position), RotationVector<kDim>::Constant(measures_rotation);
     const Rotation<kDim> rotation = truth_[pose].rotation * Rotation<kDim>::exp(RotationVector<kDim>::Constant(turn));
     return {kWorld, pose, {truth_[pose].translation, rotation}, weights.asDiagonal()};
   }
-  /// The first pose, where the priors place the partial map.
+  /// The first pose of the partial map as the priors place it.
   Pose<kDim> placed_by(const Priors& priors) const {
     SubmapGraph<kDim> graph;
     for (const auto& prior : priors) graph.priors.pose_factors.push_back(&prior);

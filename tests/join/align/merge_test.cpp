@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// Poses and features of a true world, cut into partial maps that are each in a frame of its own.
+/// Poses and features of a true world, cut into partial maps, each in a frame of its own.
 template <typename D>
 class MergeTest : public ::testing::Test {
  protected:
@@ -21,7 +21,7 @@ class MergeTest : public ::testing::Test {
     }
   }
 
-  /// In the frame of its first pose.
+  /// The partial map of these poses and features in the frame of its first pose.
   PartialMap<kDim> partial(Table<PoseIndex, PoseIndex> poses, Table<FeatureIndex, FeatureIndex> features = {}) const {
     PartialMap<kDim> partial;
     const Pose<kDim> frame = world.pose(poses.front());
@@ -84,7 +84,7 @@ TYPED_TEST(MergeTest, WhatNothingTiesStaysApart) {
 }
 
 TYPED_TEST(MergeTest, WhatTooFewFeaturesTieIsTiedByMoreThatOthersBring) {
-  // The second partial map shares feature 0 with the first, the others with the third.
+  // The second partial map shares feature 0 with the first, and the other three with the third.
   const auto merged =
       this->merge({this->partial({0, 1}, {0}), this->partial({2}, {0, 1, 2, 3}), this->partial({1, 3}, {1, 2, 3})});
   ASSERT_EQ(merged.size(), 1u);
@@ -93,7 +93,7 @@ TYPED_TEST(MergeTest, WhatTooFewFeaturesTieIsTiedByMoreThatOthersBring) {
 }
 
 TYPED_TEST(MergeTest, WhatTooFewFeaturesTieIsTriedAgainOnceOthersAreMerged) {
-  // The first two partial maps share one feature with each of the others, and only all of these hold them.
+  // The first two partial maps share one feature with each of the others; only the three together fix how they lie.
   const auto merged = this->merge({this->partial({0}, {0, 1, 2}), this->partial({1}, {3, 4, 5}), this->partial({2, 3}, {0, 3}),
                                    this->partial({3, 4}, {1, 4}), this->partial({4, 5}, {2, 5})});
   ASSERT_EQ(merged.size(), 1u);

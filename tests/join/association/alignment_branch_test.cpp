@@ -11,7 +11,7 @@
 namespace mapjoin {
 namespace {
 
-/// Local maps none of whose features have been found to be the same, and those that are.
+/// The estimate of local maps none of whose features are taken for the same, with the pairs that truly are.
 template <int Dim>
 struct Apart {
   FeatureEstimate<Dim> estimate;
@@ -90,7 +90,7 @@ TYPED_TEST(AlignmentBranchTest, IsChargedForWhereAMapIsPlacedNotForErrorsOfItsFe
   EXPECT_GE(once.excess(), -kPoseDof<kDim>);
   EXPECT_LT(once.excess(), 30.0);
   AlignmentBranch<kDim> twice = once;
-  twice.place({1, once.held(), {}}, columns);  // says nothing new
+  twice.place({1, once.held(), {}}, columns);  // the same pairs again
   EXPECT_EQ(twice.excess(), once.excess());
   EXPECT_EQ(twice.held().size(), once.held().size());
 }

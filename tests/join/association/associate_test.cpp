@@ -7,17 +7,20 @@
 #include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/association/sighting_fit.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
+#include <numbers>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/error_of.hpp>
 #include <tests/support/pair_score.hpp>
+#include <tests/support/random.hpp>
 #include <tests/support/small_submap_set.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
 namespace {
 
-/// A feature every few metres, off the lattice by chance.
+/// A drive through a wood: a feature every few metres, off the lattice at random.
 template <int Dim>
 Log<Dim> wood(std::int64_t poses = Dim == 2 ? 300 : 80) {
   ManhattanOptions options;
@@ -27,6 +30,54 @@ Log<Dim> wood(std::int64_t poses = Dim == 2 ? 300 : 80) {
   options.feature_cell = Dim == 2 ? 2.5 : 4.0;
   options.feature_jitter = 0.8;
   return simulate_manhattan<Dim>(options).log;
+}
+
+/// The log in space, with features this much higher than the poses (m).
+Log<3> in_space(const Log<2>& flat, double height) {
+  const std::vector<Eigen::Index> in_plane = {0, 1, 5};
+  LogBuilder<3> builder(flat.source);
+  for (const auto& step : flat.odometry()) {
+    const Vector<2>& p = step.measured.translation;
+    const Vector<3> turn(0.0, 0.0, step.measured.rotation.angle());
+    Matrix<6> W = step.information(0, 0) * Matrix<6>::Identity();
+    W(3, 3) = W(4, 4) = step.information(2, 2);
+    W(in_plane, in_plane) = step.information;
+    builder.add_pose_edge(flat.poses[step.base], flat.poses[step.target], {Point<3>(p.x(), p.y(), 0.0), Rotation<3>::exp(turn)},
+                          W);
+  }
+  for (const auto& seen : flat.observations()) {
+    builder.add_observation(flat.poses[seen.base], flat.features[seen.target],
+                            Point<3>(seen.measured.x(), seen.measured.y(), height),
+                            seen.information(0, 0) * Matrix<3>::Identity());
+  }
+  return std::move(builder).finish().value();
+}
+
+/// A drive along a row of trees and back, the row 2 m from the path. Steps are measured with errors, trees with errors along
+/// the row only.
+Log<2> along_a_row() {
+  constexpr std::uint64_t kThere = 150;
+  constexpr double kStep = 0.2;
+  testing::Random random(5);
+  std::vector<double> trees;
+  for (double at = -6.0; at < 36.0; at += 2.0) trees.push_back(at + random.uniform(-0.5, 0.5));
+  LogBuilder<2> builder("row");
+  const Matrix<3> W = Vector<3>(4e3, 4e3, 1e6).asDiagonal();
+  for (std::uint64_t k = 0; k <= 2 * kThere; ++k) {
+    const bool turns = k == kThere + 1;
+    const Point<2> forward(turns ? -kStep : kStep, 0.0);
+    const Rotation<2> turn(turns ? std::numbers::pi : 0.0);
+    if (k > 0) builder.add_pose_edge({0, k - 1}, {0, k}, {forward + random.vector<2>(0.02), turn}, W);
+    const bool is_back = k > kThere;
+    const double x = kStep * static_cast<double>(is_back ? 2 * kThere - k : k);
+    for (std::size_t t = 0; t < trees.size(); ++t) {
+      if (std::abs(trees[t] - x) > 6.0) continue;
+      const double along = trees[t] - x + random.uniform(-0.05, 0.05);
+      const Point<2> seen = is_back ? Point<2>(-along, -2.0) : Point<2>(along, 2.0);
+      builder.add_observation({0, k}, {t}, seen, 1e3 * Matrix<2>::Identity());
+    }
+  }
+  return std::move(builder).finish().value();
 }
 
 template <typename D>
@@ -49,6 +100,27 @@ TYPED_TEST(AssociateTest, FindsTheFeaturesOfLocalMapsWhoseNamesAreHidden) {
   const auto score = testing::pair_score(associate(set, AssociationOptions{}).value().sightings);
   EXPECT_GE(score.precision, 0.99);
   EXPECT_GE(score.recall, 0.95);
+}
+
+TEST(AssociateTest, FindsInAPlaneOfSpaceWhatItFindsInThePlane) {
+  const Log<2> log = wood<2>();
+  const auto flat = testing::pair_score(associate(log, AssociationOptions{}).value().sightings);
+  for (const double height : {0.0, 1.2}) {
+    const auto found = associate(in_space(log, height), AssociationOptions{}).value();
+    const auto score = testing::pair_score(found.sightings);
+    EXPECT_GE(score.precision, flat.precision - 0.001) << height;
+    EXPECT_GE(score.recall, flat.recall - 0.01) << height;
+  }
+}
+
+TEST(AssociateTest, FindsFeaturesThatAllLieOnALine) {
+  const Log<2> log = along_a_row();
+  for (const auto& sightings : {associate(log, AssociationOptions{}).value().sightings,
+                                associate(in_space(log, 1.2), AssociationOptions{}).value().sightings}) {
+    const auto score = testing::pair_score(sightings);
+    EXPECT_GE(score.precision, 0.99);
+    EXPECT_GE(score.recall, 0.95);
+  }
 }
 
 TEST(AssociateTest, DoesNotLookAtNames) {
@@ -97,6 +169,21 @@ TEST(AssociateTest, SaysThatRangesAloneAreNotEnough) {
               ::testing::StartsWith("ranges.g2o: observations of ranges or bearings alone leave features free to move"));
 }
 
+/// Positions would not help: nothing tells where the last pose is.
+TEST(AssociateTest, SaysWhatElseCannotBeDetermined) {
+  LogBuilder<2> builder("ranges.g2o");
+  const Matrix<2> along = Vector<2>(1.0, 0.0).asDiagonal();
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    const Matrix<3> W = (k < 3 ? 1.0 : 0.0) * Matrix<3>::Identity();
+    if (k > 0) builder.add_pose_edge({0, k - 1}, {0, k}, {Point<2>(1.0, 0.0), {}}, W);
+    builder.add_observation({0, k}, {k}, Point<2>(2.0, 0.0), along);
+  }
+  const auto log = std::move(builder).finish().value();
+  EXPECT_THAT(testing::error_of(associate(log, AssociationOptions{})),
+              ::testing::AllOf(::testing::StartsWith("ranges.g2o: "), ::testing::HasSubstr("cannot be determined"),
+                               ::testing::Not(::testing::HasSubstr("ranges or bearings"))));
+}
+
 TEST(AssociateTest, RefusesPriorsOfFeaturesWhichGoByTheirNames) {
   LogBuilder<2> builder("log");
   builder.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<2>::Identity());
@@ -121,7 +208,7 @@ TEST(SightingFitTest, NamesTheMapThatTookAFeatureForAnother) {
     for (const FeatureIndex feature : map.features) labels.push_back(feature.position());
   }
   const auto sightings = sightings_of(set);
-  // Two features of one map change their names.
+  // Two features of one map swap their ids.
   constexpr std::size_t kMap = 7;
   std::vector<std::size_t> of_map;
   for (std::size_t s = 0; s < sightings.size(); ++s) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The public data sets with their ids hidden, counted by pairs of sightings.
+// Public data sets associated with their ids hidden, scored by pairs of sightings.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Data, HiddenNames,
                                            HiddenData{"dlr-200-local-maps", 0.9, 0.9},
                                            HiddenData{"dlr/corrected_data_circles.mat", 0.9, 0.9}));
 
-/// The features of a regular grid, on drives that meet sixty times.
+/// Features on a regular grid, seen from a drive that crosses itself sixty times.
 TEST(HiddenNamesOfTheLargeSimulation, AreFoundAndTheMapIsAsCertainAsItSays) {
   const auto set = std::get<SubmapSet<2>>(open_maps(testing::data_file("sim-35188/localmaps_mat.tar.gz")).value());
   auto found = associate(set, AssociationOptions{}).value();

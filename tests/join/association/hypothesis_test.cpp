@@ -13,7 +13,7 @@
 namespace mapjoin {
 namespace {
 
-/// Three known features that are sighted in another order, all of them correlated.
+/// Three known features that are sighted in another order, with errors that are all correlated.
 template <typename D>
 class HypothesisTest : public ::testing::Test {
  protected:
@@ -29,7 +29,7 @@ class HypothesisTest : public ::testing::Test {
     }
   }
 
-  /// Of the first pairings, one after the other.
+  /// The differences of the first `count` pairings, one after the other.
   Eigen::VectorXd differences(std::size_t count) const {
     Eigen::VectorXd all(static_cast<Eigen::Index>(count) * kDim);
     for (std::size_t k = 0; k < count; ++k) {
@@ -101,6 +101,45 @@ TYPED_TEST(HypothesisTest, TheScoreIsTheLikelihoodOfAllDifferencesOverTheDensiti
   EXPECT_NEAR(hypothesis.score(), log_likelihood - densities, 1e-8);
 }
 
+TYPED_TEST(HypothesisTest, KnowsEachPairingGivenAllOthers) {
+  constexpr int kDim = TestFixture::kDim;
+  Hypothesis<kDim> hypothesis(this->problem_);
+  hypothesis.extend_by(this->pairings_, this->density_, this->gates_);
+  ASSERT_EQ(hypothesis.pairings(), this->pairings_);
+  for (std::size_t k = 0; k < this->pairings_.size(); ++k) {
+    std::vector<Pairing> rest = this->pairings_;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
+    Hypothesis<kDim> others(this->problem_);
+    others.extend_by(rest, this->density_, this->gates_);
+    const auto expected = others.extension(this->pairings_[k], this->density_, this->gates_);
+    const auto given = hypothesis.given_others(k, this->density_, this->gates_);
+    ASSERT_TRUE(expected && given) << k;
+    EXPECT_NEAR(given->gain, expected->gain, 1e-9);
+    EXPECT_LT((given->covariance - expected->covariance).norm(), 1e-9 * expected->covariance.norm());
+  }
+}
+
+/// Each of three pairings fits those before it, but the first does not fit what the other two say of it.
+TYPED_TEST(HypothesisTest, KnowsThatAPairingIsOutsideOfItsGateGivenAllOthers) {
+  constexpr int kDim = TestFixture::kDim;
+  PairingProblem<kDim> problem;
+  const double off = 0.99 * std::sqrt(this->gates_(kDim));
+  for (std::size_t k = 0; k < 3; ++k) {
+    problem.known.push_back(Point<kDim>::Constant(100.0 * static_cast<double>(k)));
+    problem.sightings.push_back(problem.known.back() + (k == 0 ? off : 0.0) * Point<kDim>::Unit(0));
+  }
+  // Each sighting has an error of its own of variance 0.5; one of variance 1 is common to all.
+  problem.covariance.setZero(6 * kDim, 6 * kDim);
+  auto of_sightings = problem.covariance.template bottomRightCorner<3 * kDim, 3 * kDim>();
+  of_sightings = PointMatrix<kDim>::Identity().replicate(3, 3);
+  of_sightings.diagonal().array() += 0.5;
+  Hypothesis<kDim> hypothesis(problem);
+  hypothesis.extend_by({{0, 0}, {1, 1}, {2, 2}}, this->density_, this->gates_);
+  ASSERT_EQ(hypothesis.pairings().size(), 3U);
+  EXPECT_FALSE(hypothesis.given_others(0, this->density_, this->gates_));
+  EXPECT_TRUE(hypothesis.given_others(1, this->density_, this->gates_));
+}
+
 TYPED_TEST(HypothesisTest, GrowsAsIfAllKnownFeaturesWereShifted) {
   constexpr int kDim = TestFixture::kDim;
   Hypothesis<kDim> hypothesis(this->problem_);
@@ -108,7 +147,7 @@ TYPED_TEST(HypothesisTest, GrowsAsIfAllKnownFeaturesWereShifted) {
   const Point<kDim> shift = Point<kDim>::LinSpaced(0.1, 0.3);
   const Eigen::VectorXd differences = this->differences(this->pairings_.size());
   const Eigen::VectorXd shifted = differences + shift.replicate(static_cast<Eigen::Index>(this->pairings_.size()), 1);
-  EXPECT_NEAR(hypothesis.growth(shift), this->squared_distance(shifted) - this->squared_distance(differences), 1e-8);
+  EXPECT_NEAR(hypothesis.growth()(shift), this->squared_distance(shifted) - this->squared_distance(differences), 1e-8);
 }
 
 TYPED_TEST(HypothesisTest, RefusesWhatIsOutsideOfTheGateAlone) {
@@ -117,12 +156,12 @@ TYPED_TEST(HypothesisTest, RefusesWhatIsOutsideOfTheGateAlone) {
   EXPECT_FALSE(Hypothesis<kDim>(this->problem_).extension(this->pairings_[0], this->density_, this->gates_));
 }
 
-/// Each is just within its own gate; nine such are outside of the gate of all.
+/// Nine pairings, each just within its own gate, are outside of the gate of all together.
 TYPED_TEST(HypothesisTest, RefusesWhatIsOutsideOfTheGateTogether) {
   constexpr int kDim = TestFixture::kDim;
   constexpr std::size_t kCount = 9;
   PairingProblem<kDim> problem;
-  const double off = 0.99 * std::sqrt(2.0 * this->gates_(kDim));  // of two points of unit covariance
+  const double off = 0.99 * std::sqrt(2.0 * this->gates_(kDim));  // the difference of two points of unit covariance
   for (std::size_t k = 0; k < kCount; ++k) {
     problem.known.push_back(Point<kDim>::Constant(100.0 * static_cast<double>(k)));
     problem.sightings.push_back(problem.known.back() + off * Point<kDim>::Unit(0));

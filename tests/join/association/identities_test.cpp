@@ -10,7 +10,7 @@ namespace {
 using ::testing::ElementsAre;
 using Pair = std::pair<FeatureIndex, FeatureIndex>;
 
-/// Three maps, which see two features each.
+/// Three maps with two features each, no two of which are the same.
 Identities six_features() {
   return {{{0, 0}, {0, 0}, {1, 1}, {1, 1}, {2, 2}, {2, 2}}, {0, 1, 2, 3, 4, 5}};
 }

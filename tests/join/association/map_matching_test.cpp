@@ -11,7 +11,7 @@
 namespace mapjoin {
 namespace {
 
-/// The maps of a wood, whose information matrices are multiplied by `weight`.
+/// The local maps of a wood, with their information matrices multiplied by `weight`.
 template <int Dim>
 SubmapSet<Dim> maps_of_a_wood(double weight) {
   SubmapSet<Dim> set = testing::small_submap_set(testing::wood<Dim>(1).log, 20.0);
@@ -19,7 +19,8 @@ SubmapSet<Dim> maps_of_a_wood(double weight) {
   return set;
 }
 
-/// Pairs of maps that have features which may be mistaken for ten others at most; none is known to be that of another map.
+/// The pairs of maps with features that may be the same and may be mistaken for at most ten others; no feature of a map is
+/// known to be that of another.
 template <int Dim>
 std::vector<MapPair<Dim>> pairs_within_reach(const SubmapSet<Dim>& set) {
   std::vector<Sighting> sightings = sightings_of(set);

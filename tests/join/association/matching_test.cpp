@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <mapjoin/join/association/matching.hpp>
+#include <numbers>
 #include <numeric>
 #include <tests/support/random.hpp>
 
@@ -11,7 +12,7 @@ namespace {
 
 using Points = std::vector<Point<2>>;
 
-/// Sightings whose errors are independent but for one shift of all of them.
+/// Known features and sightings with independent errors, but for one shift of all sightings.
 PairingProblem<2> problem_of(const Points& known, const Points& sightings, double deviation, double deviation_of_shift) {
   PairingProblem<2> problem;
   problem.known = known;
@@ -46,7 +47,7 @@ std::vector<Match> matches_of(const PairingProblem<2>& problem, AssociationMetho
 }
 
 TEST(MatcherTest, FindsAShiftTogetherThatMisleadsNearestNeighbours) {
-  // Off by a metre together, so that the second feature is seen where the first one is known, nearly.
+  // All are off by 1.4 m together, so that the second feature is seen nearly where the first one is known.
   const auto problem = problem_of(kKnown, shifted(kKnown, {-1.4, -0.2}), 0.05, 1.0);
   const auto together = matches_of(problem);
   for (std::size_t s = 0; s < kKnown.size(); ++s) {
@@ -76,21 +77,22 @@ TEST(MatcherTest, IsNotSureOfAPlaceInARegularPlantationThatItDoesNotKnowToHalfAS
   for (int x = 0; x < 4; ++x) {
     for (int y = 0; y < 4; ++y) grid.emplace_back(3.0 * x, 3.0 * y);
   }
-  // Where it is known well enough all are found, else none though all would fit.
+  // With a shift known to 0.3 m all are sure; known to 2 m only, none is, though all would fit.
   for (const Match& match : matches_of(problem_of(grid, shifted(grid, {0.2, 0.1}), 0.05, 0.3)))
     EXPECT_GT(match.probability, 0.99);
   for (const Match& match : matches_of(problem_of(grid, shifted(grid, {0.2, 0.1}), 0.05, 2.0)))
     EXPECT_LT(match.probability, 0.9);
 }
 
-/// Each coordinate off by at most so much.
+/// The points, each coordinate off by at most `most`.
 Points off_their_places(Points points, double most) {
   testing::Random random(4);
   for (auto& p : points) p += random.vector<2>(most);
   return points;
 }
 
-/// Three trees in a corner are known: where others stand like them, those are not known yet.
+/// Three known trees at a corner of a plantation are matched surely if no other trees are in sight, and not if a whole
+/// plantation is, where others stand like them.
 TEST(MatcherTest, KnowsAPlantationByTreesThatAreSeenWithErrors) {
   Points grid;
   for (int x = 0; x < 4; ++x) {
@@ -100,6 +102,18 @@ TEST(MatcherTest, KnowsAPlantationByTreesThatAreSeenWithErrors) {
   const Points corner = {grid[0], grid[1], grid[4]};
   auto problem = problem_of(corner, corner, 0.05, 2.0);
   for (const Match& match : matches_of(problem)) EXPECT_GT(match.probability, 0.9);
+  problem.surroundings = grid;
+  for (const Match& match : matches_of(problem)) EXPECT_LT(match.probability, 0.8);
+}
+
+/// Of the 160 000 shifts of the trees onto each other the steps near by count, as in a small plantation.
+TEST(MatcherTest, KnowsALargePlantation) {
+  Points grid;
+  for (int x = 0; x < 20; ++x) {
+    for (int y = 0; y < 20; ++y) grid.emplace_back(3.0 * x, 3.0 * y);
+  }
+  const Points corner = {grid[0], grid[1], grid[20]};
+  auto problem = problem_of(corner, corner, 0.05, 2.0);
   problem.surroundings = grid;
   for (const Match& match : matches_of(problem)) EXPECT_LT(match.probability, 0.8);
 }
@@ -123,7 +137,7 @@ TEST(MatcherTest, ComparesPlacementsThatExplainFewerOfTheSightings) {
 }
 
 TEST(MatcherTest, HasAGateThatNoneOfSoManyDecisionsShouldMiss) {
-  // With a confidence of 0.99 in a hundred decisions: 18.4, and 9.2 in one.
+  // The gate is 18.4 with a confidence of 0.99 in a hundred decisions, and 9.2 in one.
   const double away = std::sqrt(14.0 * 2.0) * 0.1;
   const auto problem = problem_of({{0.0, 0.0}, {5.0, 5.0}, {-5.0, 3.0}, {4.0, -6.0}}, {{away, 0.0}}, 0.1, 0.0);
   EXPECT_EQ(matches_of(problem)[0].candidates, 1U);
@@ -148,6 +162,63 @@ TEST(NeighbourDensityTest, KnowsThatFeaturesKeepTheirDistance) {
   EXPECT_NEAR(density.overall(), 1.0 / 9.0, 0.03);
   EXPECT_LT(density.log_within(1.0), std::log(0.01 * density.overall()));
   EXPECT_NEAR(density.log_within(10.0), std::log(density.overall()), 0.5);
+}
+
+/// A lattice of points, 3 m apart, in the plane through `origin` that `x` and `y` span.
+template <int Dim>
+std::vector<Point<Dim>> lattice(const Point<Dim>& origin, const Point<Dim>& x, const Point<Dim>& y) {
+  std::vector<Point<Dim>> points;
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 8; ++k) points.push_back(origin + 3.0 * i * x + 3.0 * k * y);
+  }
+  return points;
+}
+
+/// The slab that is evenly filled by points with this standard deviation across is thicker by 5^(3/2) / 3 in the ratio of
+/// volumes of ellipsoids and ellipses.
+TEST(NeighbourDensityTest, TakesWhatLiesInAPlaneForAsThickAsItsNoise) {
+  const double deviation = 0.07;
+  const PointMatrix<3> noise = deviation * deviation * PointMatrix<3>::Identity();
+  const std::vector<Points> flat = {lattice<2>({0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0})};
+  const double thickness = std::pow(5.0, 1.5) / 3.0 * deviation;
+  const Point<3> tilted(0.0, 0.8, 0.6);
+  for (const double height : {0.0, 1.2}) {
+    for (const Point<3>& y : {Point<3>(0.0, 1.0, 0.0), tilted}) {
+      const std::vector<std::vector<Point<3>>> sets(3, lattice<3>({0.0, 0.0, height}, Point<3>::UnitX(), y));
+      EXPECT_NEAR(thickness * NeighbourDensity<3>(sets, noise).overall() / NeighbourDensity<2>(flat).overall(), 1.0, 1e-3);
+    }
+  }
+}
+
+TEST(NeighbourDensityTest, TakesWhatLiesOnALineForAsThickAsItsNoise) {
+  const std::vector<Points> row = {{{0.0, 2.0}, {3.0, 2.0}, {6.0, 2.0}, {9.0, 2.0}}};
+  const double variance = 15.0;  // along the line
+  const double area = 4.0 * std::numbers::pi * std::sqrt(variance) * 0.1;
+  EXPECT_NEAR(NeighbourDensity<2>(row, 0.01 * PointMatrix<2>::Identity()).overall(), 4.0 / area, 1e-2);
+}
+
+TEST(NeighbourDensityTest, IsFiniteWhereNothingIsKnownOfTheThicknessOfWhatLiesOnALine) {
+  const std::vector<Points> row = {{{0.0, 2.0}, {3.0, 2.0}, {6.0, 2.0}, {9.0, 2.0}}};
+  EXPECT_EQ(NeighbourDensity<2>(row).overall(), 1.0);
+}
+
+TEST(NeighbourDensityTest, DoesNotDependOnNoiseThatIsSmallerThanWhatThePointsFill) {
+  const std::vector<Points> sets = {kKnown};
+  EXPECT_EQ(NeighbourDensity<2>(sets, 0.1 * PointMatrix<2>::Identity()).overall(), NeighbourDensity<2>(sets).overall());
+}
+
+/// There are more distances than are kept, which are those of every second set.
+TEST(NeighbourDensityTest, KnowsASampleOfTheDistancesOfManySets) {
+  testing::Random random(7);
+  Points points;
+  for (int k = 0; k < 400; ++k) points.push_back(random.vector<2>(50.0));
+  const std::vector<Points> many(60, points);
+  const std::vector<Points> half(30, points);
+  const NeighbourDensity<2> of_many(many);
+  const NeighbourDensity<2> of_half(half);
+  for (const double distance : {0.1, 1.0, 10.0}) {
+    EXPECT_DOUBLE_EQ(of_many.log_within(distance), of_half.log_within(distance)) << distance;
+  }
 }
 
 TEST(NeighbourDensityTest, FallsWithTheVolumeHoweverLargeThatIs) {

@@ -26,7 +26,7 @@ TYPED_TEST(FeatureFilterTest, FollowsFeaturesInTheFrameOfTheRobot) {
   forward.move({0, 1, step, W});
   EXPECT_LT((forward.features()[0] - transform_into<kDim>(step, p)).norm(), 1e-12);
 
-  // The same step stored against its direction, to first order.
+  // The step stored against its direction, with its information to first order.
   PoseMatrix<kDim> J;
   const Pose<kDim> back = inverse(step, &J);
   const PoseMatrix<kDim> J_inverse = J.inverse();
@@ -45,7 +45,7 @@ TYPED_TEST(FeatureFilterTest, LearnsOfAllFeaturesByOne) {
   filter.add({0, 0, p, precise});
   filter.add({0, 1, 1.1 * p, precise});
   PoseMatrix<kDim> W = PoseMatrix<kDim>::Identity();
-  W.template bottomRightCorner<kRotationDof<kDim>, kRotationDof<kDim>>() *= 1e9;  // it does not turn
+  W.template bottomRightCorner<kRotationDof<kDim>, kRotationDof<kDim>>() *= 1e9;  // the robot does not turn
   filter.move({0, 1, {}, W});
   const double before = filter.covariance().trace();
   const Point<kDim> shift = Point<kDim>::Constant(0.3);
@@ -54,7 +54,8 @@ TYPED_TEST(FeatureFilterTest, LearnsOfAllFeaturesByOne) {
   EXPECT_LT((filter.features()[1] - (1.1 * p + shift)).norm(), 1e-3);
 }
 
-/// The features of the observations of a log whose poses stand still, with `deviation` of odometry and observations (m).
+/// The label of each observation in a log whose poses stand still. Observations have this standard deviation (m); odometry is
+/// some thirty times as certain.
 std::vector<std::size_t> labels_of(const std::vector<std::vector<Point<2>>>& scans, double deviation) {
   LogBuilder<2> builder("standing");
   const double w = 1.0 / (deviation * deviation);
@@ -84,7 +85,7 @@ TEST(TrackTest, StartsATentativeFeatureWhereNoneWasAndGoesOnWithIt) {
 TEST(TrackTest, SetsAsideWhatCouldBeEitherAndGoesOnWithBoth) {
   auto trees = kTrees;
   trees.emplace_back(3.4, 0.0);
-  // In between the first tree and the last: of neither. The feature of its own that it makes misleads nothing after it.
+  // A tree between the first and the last could be either, and becomes a feature of its own, which misleads nothing after it.
   const auto labels = labels_of({trees, {{3.2, 0.0}}, {{3.0, 0.0}, {3.4, 0.0}}}, 0.07);
   EXPECT_EQ(labels, (std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 0, 4}));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Victoria Park from its raw data: which detections are of the same tree is found out, GPS is the truth.
+// Victoria Park from its raw detections of trees, associated; the truth is GPS.
 #include <gtest/gtest.h>
 
 #include <mapjoin/join/association/associate.hpp>

@@ -36,7 +36,7 @@ class ConsistencyTest : public ::testing::Test {
     known.features.assign(truth.features.begin(), truth.features.end());
     return known;
   }
-  /// eᵀ P⁻¹ e by the joint covariance.
+  /// The NEES eᵀ P⁻¹ e of some poses and features, by their joint covariance as a dense matrix.
   static double dense_nees(const RunResult<kDim>& result, const Values<kDim>& truth, const std::vector<PoseOrFeature>& of) {
     std::vector<double> errors;
     const auto append = [&](const Eigen::VectorXd& e) { errors.insert(errors.end(), e.begin(), e.end()); };
@@ -75,7 +75,7 @@ TYPED_TEST(ConsistencyTest, WeighsErrorsByTheJointCovarianceOfTheSameThings) {
   }
 }
 
-/// From a table of the distribution.
+/// Quantiles from a table of the chi-squared distribution.
 TEST(Nees, IsHeldAgainstQuantilesOfOnePercent) {
   const Nees nees{18.307, 10};
   EXPECT_NEAR(nees.least(), 2.558, 1e-3);

@@ -20,7 +20,7 @@ namespace {
 using testing::DenseInformation;
 using testing::small_world;
 
-/// What holds the map still.
+/// The gauge of the map.
 enum class Held { kFirstPose, kTwoPoses, kPriors };
 
 template <typename D>
@@ -67,7 +67,7 @@ class MapCovariancesTest : public ::testing::Test {
     ASSERT_EQ(covariance.rows(), expected.rows());
     EXPECT_LE((covariance - expected).norm(), 1e-9 * expected.norm()) << of;
   }
-  /// Marginals of everything, and joint covariances of a few, against the inverse of the whole information.
+  /// Expects the marginals of everything and joint covariances of some to be blocks of the inverse of the whole information.
   static void expect_blocks_of(const DenseInformation<kDim>& information, const RunResult<kDim>& result) {
     const auto& map = result.map;
     const Eigen::MatrixXd joined_map = information.inverse(map.gauge);
@@ -89,7 +89,7 @@ class MapCovariancesTest : public ::testing::Test {
       expect_near(marginals->features[f], joined_map.block(at, at, kDim, kDim), "feature " + std::to_string(f.value));
     }
     // Every third pose and every second feature, in no order: of one map and of several, kept and eliminated, held and free;
-    // the first pose, which most hold, twice.
+    // and the first pose, which most gauges hold, twice.
     std::vector<PoseOrFeature> some{PoseIndex(0), PoseIndex(0)};
     for (int k = 0; k < poses_end.value; k += 3) some.emplace_back(PoseIndex((k * 7 + 5) % poses_end.value));
     for (int k = 0; k < features_end.value; k += 2) some.emplace_back(FeatureIndex((k * 11 + 3) % features_end.value));

@@ -14,7 +14,7 @@ namespace {
 using testing::DenseInformation;
 using testing::largest_difference;
 
-/// What holds the map still.
+/// The gauge of the map.
 enum class Anchor { kFirstPose, kLaterPoses, kPriors };
 
 template <typename D>
@@ -23,7 +23,7 @@ class RelationsTest : public ::testing::Test {
   static constexpr int kDim = D::value;
   static constexpr int kDof = kPoseDof<kDim>;
 
-  /// Two robots that features alone tie to each other, some odometry stored against its direction.
+  /// A log of two robots that features alone tie to each other, some odometry stored against its direction.
   static Log<kDim> world(Anchor anchor) {
     auto small = testing::small_world<kDim>(
         {.poses = 18, .features = 24, .closures = 2, .sessions = 2, .range = 3.0, .reversed_odometry = true});

@@ -13,7 +13,7 @@
 namespace mapjoin {
 namespace {
 
-/// Of a world without closures.
+/// Local maps of a world without closures.
 template <int Dim>
 SubmapSet<Dim> local_maps(std::uint64_t seed) {
   return testing::small_submap_set(testing::ClosingWorld<Dim>(120, seed, 0).log, 15.0);
@@ -30,7 +30,7 @@ TYPED_TEST(FitOfLocalMapsTest, NamesALocalMapsFeatureThatIsNotTheOneItIsSaidToBe
   FeatureIndex wrong = 0;
   while (!others(wrong)) ++wrong;
   EXPECT_EQ(run(set, {}).value().fit.verdict, Verdict::kFits);
-  // One that other maps have, too.
+  // A feature that at least two other maps have, too.
   std::size_t f = 0;
   const auto maps_with = [&](FeatureIndex feature) {
     return std::ranges::count_if(set.graph.submaps,

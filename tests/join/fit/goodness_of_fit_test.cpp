@@ -9,6 +9,7 @@
 #include <numbers>
 #include <tests/support/closing_world.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
 
 namespace mapjoin {
 namespace {
@@ -31,6 +32,19 @@ TYPED_TEST(GoodnessOfFitTest, OfAThousandConsistentWorldsHardlyMoreThanTenAreCal
   this->RecordProperty("misfits", misfits);
   EXPECT_LE(misfits, 18);  // ten, and two and a half standard deviations
   EXPECT_GE(misfits, 3);   // the level is spent
+}
+
+TYPED_TEST(GoodnessOfFitTest, ASharpClosureOfALongLoopIsBlamedBeforeOdometry) {
+  constexpr int kDim = TypeParam::value;
+  auto log = testing::small_world<kDim>({.poses = 60, .features = 0, .closures = 1, .noise = 1e-4}).log;
+  for (PoseFactor<kDim>& edge : log.graph.pose_factors) edge.information *= 1e6;
+  PoseFactor<kDim>& closure = log.graph.pose_factors.back();
+  closure.information *= 1e4;
+  closure.measured.translation[0] += 1.0;
+  const GoodnessOfFit fit = fit_of(log);
+  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kClosure);
+  EXPECT_EQ(fit.misfits.at(0).rows, kPoseDof<kDim>);
 }
 
 TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
@@ -58,7 +72,7 @@ TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
   EXPECT_GE(named_first, 0.97 * kWorlds);
 }
 
-/// The closure of the given place, off by so much in every coordinate.
+/// The log with one closure, by its place among the closures, off by `shift` in each coordinate of its position.
 template <int Dim>
 Log<Dim> with_wrong_closure(Log<Dim> log, std::size_t closure, double shift) {
   PoseFactor<Dim>& wrong = log.graph.pose_factors[log.odometry().size() + closure];
@@ -159,7 +173,7 @@ TYPED_TEST(GoodnessOfFitTest, CallsNoKindTooCertainWhereChi2IsProbable) {
   EXPECT_GT(larger, 0);
 }
 
-/// Observations of a kind that says too much are no outliers, where enough others confirm how large they are.
+/// Observations with too much information are no outliers if enough others confirm the scale of their errors.
 TYPED_TEST(GoodnessOfFitTest, TrustsTheScaleOfAKindThatEnoughOthersConfirm) {
   testing::ClosingWorld<TypeParam::value> world(25, 5);
   for (auto& observation : world.log.graph.feature_factors) observation.information *= 25.0;
@@ -173,14 +187,14 @@ TYPED_TEST(GoodnessOfFitTest, CallsNothingAMisfitThatCautiousCovariancesAllow) {
   testing::ClosingWorld<TypeParam::value> world(100, 6);
   for (auto& observation : world.log.graph.feature_factors) observation.information /= 25.0;
   auto& off = world.log.graph.feature_factors[world.log.observations().size() / 2];
-  off.measured[0] += 3.0 / std::sqrt(off.information(0, 0));  // far more than the others are, and no more than it says
+  off.measured[0] += 3.0 / std::sqrt(off.information(0, 0));  // far more than others, no more than is stated
   const GoodnessOfFit fit = fit_of(world.log);
   EXPECT_EQ(fit.verdict, Verdict::kFits);
   const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
   EXPECT_NEAR(observations->scale, 1.0 / 25.0, 0.01);
 }
 
-/// A square that is driven round once, its last pose at its first, and closures from the end to the beginning.
+/// A square driven round once, which ends where it begins, with closures from its last poses to its first.
 Log<2> square(double error_of_step_7, int closures) {
   LogBuilder<2> builder("square");
   const PoseMatrix<2> W = 1e4 * PoseMatrix<2>::Identity();
@@ -208,7 +222,7 @@ TEST(GoodnessOfFit, WaitsForAMapWithoutAMisfitThatBentItFar) {
   EXPECT_FALSE(fit_of(square(15.0, 1)).is_complete);
 }
 
-/// A round of so many steps, each of which the others know next to nothing of, whose closure is off by a metre.
+/// A long round, of each step of which the others tell next to nothing, with a closure that is off by five metres.
 TEST(GoodnessOfFit, TestsTheClosureOfALongRound) {
   LogBuilder<2> builder("round");
   constexpr std::uint64_t kSteps = 3000;

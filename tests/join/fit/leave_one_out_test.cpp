@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/restored.hpp>
 #include <mapjoin/join/run.hpp>
@@ -15,7 +16,7 @@
 namespace mapjoin {
 namespace {
 
-/// So small an error that everything is linear: chi2 of logs that differ by an observation differs by what the theory says.
+/// Noise (m, rad) so small that everything is linear: chi2 of a log without an observation is what theory predicts.
 constexpr double kNoise = 1e-4;
 
 template <typename D>
@@ -39,7 +40,7 @@ class LeaveOneOutTest : public ::testing::Test {
     const JoiningSystem<kDim>& system() const { return restored.system; }
     std::size_t factors() const { return system().equations().pattern().factors.size(); }
     MeasuredPart whole(std::size_t factor) const { return {factor, 0, system().rows(factor)}; }
-    /// The factor of an observation of the log.
+    /// The index of the factor of an observation of the log; factors() if there is none.
     template <typename Observation>
     std::size_t factor_of(const Observation& observation) const {
       for (std::size_t k = 0; k < factors(); ++k) {
@@ -72,7 +73,7 @@ class LeaveOneOutTest : public ::testing::Test {
     options.solver.relative_chi2 = 1e-14;
     return solve(log, options).value().chi2;
   }
-  /// A copy of the log without the closure and the observation at these places of their lists; -1 leaves none out.
+  /// A copy of the log without the closure and the observation at these places in their lists; -1 leaves none out.
   static Log<kDim> without(const Log<kDim>& log, std::ptrdiff_t closure, std::ptrdiff_t observation) {
     Log<kDim> less = log;
     if (closure >= 0) less.graph.pose_factors.erase(less.graph.pose_factors.begin() + std::ssize(log.odometry()) + closure);
@@ -105,6 +106,23 @@ TYPED_TEST(LeaveOneOutTest, SaysByHowMuchChi2FallsWithoutAClosureOrAnObservation
     ++tested;
   }
   EXPECT_GT(tested, 5);
+}
+
+TYPED_TEST(LeaveOneOutTest, TestsASharpClosureOfALongLoopOnceSolvedFor) {
+  constexpr int kDim = TypeParam::value;
+  auto log = testing::small_world<kDim>({.poses = 24, .features = 0, .closures = 1, .noise = kNoise}).log;
+  log.graph.pose_factors.back().information *= 1e5;
+  const typename TestFixture::Tests tests(this->full_slam(log));
+  const MeasuredPart closure = tests.whole(tests.factor_of(log.closures()[0]));
+  EXPECT_LT(tests.leave_one_out->test(closure).rows, kPoseDof<kDim>);
+  tests.leave_one_out->solve_for_weak(std::array{closure.factor});
+  const PartTest test = tests.leave_one_out->test(closure);
+  const double chi2 = this->chi2_of(log);  // all of it, as nothing is redundant without the closure
+  EXPECT_EQ(test.rows, kPoseDof<kDim>);
+  EXPECT_NEAR(test.chi2, chi2, 1e-3 * chi2);
+  tests.leave_one_out->leave_out(closure);
+  const MeasuredPart step = tests.whole(tests.factor_of(log.odometry()[10]));
+  EXPECT_EQ(tests.leave_one_out->test(step).rows, 0);
 }
 
 TYPED_TEST(LeaveOneOutTest, TestsWhatIsLeftOnceAPartIsOut) {
@@ -173,7 +191,7 @@ TYPED_TEST(LeaveOneOutTest, TestsOnlyTheMeasuredRowsOfAPosition) {
   EXPECT_EQ(tests.leave_one_out->test(tests.whole(tests.factor_of(log.graph.pose_factors.back()))).rows, kDim);
 }
 
-/// Redundancies add up to the rows that are measured more than are needed, also where observations say less than all.
+/// The redundancies of all parts add up to the degrees of freedom, also with factors that do not measure all of their rows.
 TYPED_TEST(LeaveOneOutTest, SharesTheDegreesOfFreedomAmongAllParts) {
   constexpr int kDim = TypeParam::value;
   auto log = this->world();
@@ -200,12 +218,12 @@ TYPED_TEST(LeaveOneOutTest, TestsAFeatureOfALocalMapAsTheMapWithoutIt) {
   while (tests.system().source_of(first).kind != JoiningSystem<kDim>::Source::kMap) ++first;
   for (std::size_t m = 0; m < set.graph.submaps.size(); ++m) {
     const LocalMap<kDim>& map = set.graph.submaps[m];
-    const LocalMap<kDim>& placed = *tests.system().maps()[m].map;  // its features in another order
+    const LocalMap<kDim>& placed = *tests.system().maps()[m].map;  // with its features in another order
     const PartTest test = tests.leave_one_out->test({first + m, placed.row(placed.poses.size()), kDim});
     if (test.rows == 0) continue;
     const auto feature = std::ranges::find(map.features, placed.features.front()) - map.features.begin();
     const Eigen::Index row = map.row(map.poses.size() + static_cast<std::size_t>(feature));
-    // The same map with this feature unknown: no information about it.
+    // The map without any information on this feature.
     SubmapSet<kDim> less = set;
     Eigen::MatrixXd& W = less.graph.submaps[m].information;
     const Eigen::MatrixXd W_f = W.middleCols(row, kDim);
@@ -219,7 +237,7 @@ TYPED_TEST(LeaveOneOutTest, TestsAFeatureOfALocalMapAsTheMapWithoutIt) {
   EXPECT_GT(tested, 1);
 }
 
-/// Tests at evenly spread quantiles of chi-squared, scaled.
+/// Tests whose chi2 are evenly spread quantiles, scaled.
 std::vector<PartTest> spread_tests(int count, double scale) {
   std::vector<PartTest> tests;
   for (int k = 0; k < count; ++k) tests.push_back({scale * chi_squared_quantile((k + 0.5) / count, 3), 3, 3.0});

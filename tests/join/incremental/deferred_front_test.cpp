@@ -14,7 +14,7 @@ constexpr int kNew = 3;
 constexpr Eigen::Index kOwn = kDof * kNew;  // entries of the new variables, behind those of the tree
 constexpr Eigen::Index kOthers = kDof * kInTree;
 
-/// A tree of a chain of variables at its optimum, three new variables of which it knows nothing, and the same densely.
+/// A tree of a chain of variables at its optimum, three new variables that are not in it, and the same as dense matrices.
 class DeferredFrontTest : public ::testing::Test {
  protected:
   struct Dense {
@@ -81,7 +81,7 @@ class DeferredFrontTest : public ::testing::Test {
     for (const Dense& dense : dense_) sum += dense;
     return sum;
   }
-  /// The tree's solution, and the new variables where the deferred quadratics cost least.
+  /// The solution of the tree, with the new variables where the deferred quadratics cost least.
   Eigen::VectorXd expected() const {
     Eigen::VectorXd x(kOthers + kOwn);
     for (int k = 1; k <= kInTree; ++k) x.segment<kDof>(kDof * (k - 1)) = tree_.solution(Variable(k));
@@ -129,12 +129,13 @@ TEST_F(DeferredFrontTest, TheGainIsABoundOnWhatAllCouldFallByTogether) {
   all += deferred();
   const double fall = all.at(x) - all.at(all.H.llt().solve(all.b));
   EXPECT_GE(gain, fall);
-  // It is below what the deferred quadratics cost, and what they would pull a tree down that did not resist.
+  // The gain is half the harmonic mean of what the deferred quadratics cost and of what the tree would gain if their pull on it
+  // did not change.
   const Eigen::VectorXd pull = (deferred().b - deferred().H * x).head(kOthers);
   const double tree_alone = pull.dot(in_tree_.H.topLeftCorner<kOthers, kOthers>().llt().solve(pull));
   const double cost = deferred().at(x);
   EXPECT_NEAR(1.0 / gain, 1.0 / tree_alone + 1.0 / cost, 1e-9 / gain);
-  EXPECT_GT(fall, 0.01 * gain);  // the test is about something
+  EXPECT_GT(fall, 0.01 * gain);  // the bound is within a factor of a hundred
 }
 
 TEST_F(DeferredFrontTest, AClosureAloneHasAGain) {
@@ -169,13 +170,14 @@ TEST_F(DeferredFrontTest, WhereAVariableIsNotDeterminedNothingIsKnownOfTheGain) 
   EXPECT_FALSE(tree_.factor().covariance(std::vector<Variable>{31}, deferred_.front().get()));
 }
 
-/// Of x = A⁻¹(b - B s) with s of the tree: A⁻¹ + G P Gᵀ, where G = A⁻¹B (Schmidt-Kalman).
+/// The covariance of x = A⁻¹(b - B s), with s of the tree and its covariance P, is A⁻¹ + G P Gᵀ, where G = A⁻¹B
+/// (Schmidt-Kalman).
 TEST_F(DeferredFrontTest, CovariancesAreThoseOfTheEstimateThatHoldsTheTree) {
   defer_some();
   deferred_.solve(tree_);
   const Dense sum = deferred();
   const Eigen::MatrixXd A_inverse = sum.H.bottomRightCorner<kOwn, kOwn>().llt().solve(Eigen::MatrixXd::Identity(kOwn, kOwn));
-  Eigen::MatrixXd of_others = Eigen::MatrixXd::Identity(kOthers + kOwn, kOthers);  // all steps by those of the tree's
+  Eigen::MatrixXd of_others = Eigen::MatrixXd::Identity(kOthers + kOwn, kOthers);  // all variables by those of the tree
   of_others.bottomRows(kOwn) = -A_inverse * sum.H.bottomLeftCorner<kOwn, kOthers>();
   const Eigen::MatrixXd P =
       in_tree_.H.topLeftCorner<kOthers, kOthers>().llt().solve(Eigen::MatrixXd::Identity(kOthers, kOthers));

@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// The same sum, dense.
+/// A tree of fronts, and the sum of its quadratics as a dense matrix.
 class FrontTreeTest : public ::testing::Test {
  protected:
   void add_variable(int dof) {
@@ -17,7 +17,7 @@ class FrontTreeTest : public ::testing::Test {
   }
   int dof(Variable v) const { return static_cast<int>(offsets_[v + 1] - offsets_[v]); }
 
-  /// δᵀHδ - 2bᵀδ + c with random H, of full rank, b and c, the least of it not below 0.
+  /// A random quadratic δᵀHδ - 2bᵀδ + c, H of full rank, with a minimum that is not negative.
   Quadratic random_quadratic(std::vector<Variable> variables) {
     variables.push_back(FrontTree::kOne);
     Eigen::Index size = 0;
@@ -44,7 +44,8 @@ class FrontTreeTest : public ::testing::Test {
     return sum;
   }
 
-  /// The largest difference between the tree's solution and that of the dense system, relative to the latter.
+  /// The largest difference between the solution of the tree and that of the dense system, relative to the largest entry of the
+  /// latter.
   double error() const {
     const Eigen::MatrixXd sum = this->sum();
     const Eigen::Index size = sum.rows() - 1;
@@ -79,7 +80,7 @@ TEST_F(FrontTreeTest, SolvesAGrowingChainWithClosuresAfterEveryUpdate) {
     // Variables stay where they are while they would move by less than a thousandth of a standard deviation (1 at most here).
     ASSERT_LT(error(), 3e-3) << k;
   }
-  tree_.set_solution(1, Eigen::Vector3d::Constant(1.0));  // all are looked at again
+  tree_.set_solution(1, Eigen::Vector3d::Constant(1.0));  // the whole tree is looked at again
   tree_.update({});
   EXPECT_LT(error(), 3e-3);
 }
@@ -91,7 +92,7 @@ TEST_F(FrontTreeTest, CovariancesAreBlocksOfTheInverse) {
     if (k == 1) add({v});
     if (k > 1) add({v - 1, v});
     if (k > 1 && k % 7 == 0) add({Variable(k / 3), v});
-    if (k % 20 == 0) tree_.update({});  // so that fronts of several eliminations are on the way
+    if (k % 20 == 0) tree_.update({});  // so that the tree has fronts of several eliminations
   }
   const Eigen::Index size = offsets_.back() - 1;
   const Eigen::MatrixXd inverse = sum().bottomRightCorner(size, size).llt().solve(Eigen::MatrixXd::Identity(size, size));
@@ -134,7 +135,7 @@ TEST_F(FrontTreeTest, AChangedQuadraticCountsAsItIsNow) {
     if (v > 1) add({v - 1, v});
   }
   tree_.update({});
-  ASSERT_LT(error(), 1e-9);  // all at once: nothing is left where it was
+  ASSERT_LT(error(), 1e-9);  // all are eliminated at once, and none is left where it was
   for (const std::size_t q : {std::size_t{5}, std::size_t{30}, std::size_t{59}}) {
     quadratics_[q].H = 2.0 * random_quadratic({quadratics_[q].variables.begin(), quadratics_[q].variables.end() - 1}).H;
     tree_.change_quadratic(indices_[q], quadratics_[q].H);
@@ -153,7 +154,7 @@ TEST_F(FrontTreeTest, ARemovedQuadraticLeavesNoTrace) {
   add({2, 30, 58});
   add({25, 40});
   tree_.update({});
-  add({7, 50});  // never in the tree
+  add({7, 50});  // not in the tree yet
   for (const std::size_t q : {in_chain + 2, in_chain, in_chain + 1}) {
     tree_.remove_quadratic(indices_[q]);
     quadratics_[q].H.setZero();
@@ -175,7 +176,7 @@ TEST_F(FrontTreeTest, PartsThatShareNothingStandSideBySideUntilSomethingTiesThem
   EXPECT_EQ(tree_.update({}), 20u);
   EXPECT_LT(error(), 1e-9);
   add({4, 16});
-  EXPECT_LT(tree_.update({}), 8u);  // these two, and those at the root
+  EXPECT_LT(tree_.update({}), 8u);  // variables 4 and 16, and those at the root
   EXPECT_LT(error(), 1e-3);
 }
 
@@ -194,7 +195,7 @@ TEST_F(FrontTreeTest, EliminatesAgainFrontsBelowThatSendMuchForWhatTheyEliminate
     leaf.emplace_back(kHub + 1 + k);
     add(leaf);
   }
-  for (std::size_t k = 0; k < 100; ++k) {  // a chain from the hub, which sends few
+  for (std::size_t k = 0; k < 100; ++k) {  // a chain from the hub, whose fronts send few variables
     add_variable(3);
     const Variable v(kHub + kLeaves + 1 + k);
     add({k == 0 ? Variable(1) : v - 1, v});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What may come when: what the World says, fixed poses, priors, robots that take turns; and what may not come.
+// Updates in the order that they come: fixed poses, priors, robots that take turns; and updates that are refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,7 +68,7 @@ TYPED_TEST(IncrementalArrivalTest, AMapIsPlacedByTheEdgeThatFitsBest) {
   const AddedUpdate added = joined.add(tied).value();
   EXPECT_TRUE(added.converged);
   EXPECT_FALSE(added.batch_checked);
-  EXPECT_EQ(added.iterations, 1);  // it was there
+  EXPECT_EQ(added.iterations, 1);  // the estimate was there already
   EXPECT_LT(local(compose(*joined.pose(last_pose(updates[0])), measured), *joined.pose(PoseId{1, 0})).norm(), 1e-6);
 }
 
@@ -98,7 +98,7 @@ TYPED_TEST(IncrementalArrivalTest, WhatTheWorldSaysCountsHoweverLittleChi2Tells)
   SubmapUpdate<kDim> again;
   again.poses = {last_pose(updates[4])};
   again.graph.pose_factors = {{kWorld, 0, place, prior.information}};
-  EXPECT_FALSE(joined.add(again).value().batch_checked);  // the frame is the World's already
+  EXPECT_FALSE(joined.add(again).value().batch_checked);  // the map is in the World's frame already
 }
 
 TYPED_TEST(IncrementalArrivalTest, FixedPosesMayComeOneByOne) {
@@ -114,8 +114,8 @@ TYPED_TEST(IncrementalArrivalTest, FixedPosesMayComeOneByOne) {
     return fixed[id] = value;
   };
   updates[0].graph.fixed = {{0, fix(first_pose(updates[0]))}};
-  updates[4].graph.fixed = {{updates[4].segments[0].end, fix(last_pose(updates[4]))}};  // with the pose
-  SubmapUpdate<kDim> later;                                                             // and of one that is known
+  updates[4].graph.fixed = {{updates[4].segments[0].end, fix(last_pose(updates[4]))}};  // comes with its pose
+  SubmapUpdate<kDim> later;                                                             // fixes a pose that is known already
   later.poses = {last_pose(updates[2])};
   later.graph.fixed = {{0, fix(last_pose(updates[2]))}};
   IncrementalJoin<kDim> joined;
@@ -144,7 +144,7 @@ TYPED_TEST(IncrementalArrivalTest, PriorsAndSingleObservationsMayComeByThemselve
   EXPECT_NEAR(last.chi2, this->batch(updates).result.chi2, 0.01 * last.chi2);
 }
 
-/// Whichever of three robots has its next map first.
+/// Maps of three robots, whose turns are random.
 TYPED_TEST(IncrementalArrivalTest, SeveralRobotsMayTakeTurns) {
   constexpr int kDim = TestFixture::kDim;
   const auto updates = this->submap_updates_of({.poses = 60, .features = 60, .sessions = 3}, 6.0);

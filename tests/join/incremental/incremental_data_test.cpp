@@ -10,7 +10,7 @@
 namespace mapjoin {
 namespace {
 
-/// Local maps of 10 poses, one by one.
+/// Expects the optimum at every `every`-th of the local maps of 10 poses that are joined one by one.
 void expect_optimal(const std::filesystem::path& path, std::size_t every) {
   const auto log = open_log(path, {});
   ASSERT_TRUE(log) << log.error().message;

@@ -9,7 +9,8 @@
 namespace mapjoin {
 namespace {
 
-/// A pose sees a feature ten metres ahead, and measures only how far ahead it is, which hardly tells of a small turn.
+/// A pose measures how far ahead a feature is, wrongly, and nothing else; that hardly depends on a small turn, so that a step
+/// would turn the pose far.
 TEST(IncrementalEstimate, AStepThatWouldRaiseChi2IsNotTaken) {
   const Pose<2> start{Point<2>::Zero(), Rotation<2>(0.05)};
   const PoseVector<2> weights(1e6, 1e6, 1e-9);
@@ -27,8 +28,8 @@ TEST(IncrementalEstimate, AStepThatWouldRaiseChi2IsNotTaken) {
   EXPECT_NEAR(estimate.chi2(), chi2, 1e-9 * chi2);
 }
 
-/// Features that an anchored pose has seen twice each, once a standard deviation (1 m) too far and once too near, so that chi2
-/// is 2 for each; all settled, chi2 at its least.
+/// Features that an anchored pose has seen twice each, once a standard deviation (1 m) too far and once too near: at the
+/// optimum, chi2 is 2 for each.
 class DeferralTest : public ::testing::Test {
  protected:
   void see_features(int count) {
@@ -45,8 +46,8 @@ class DeferralTest : public ::testing::Test {
     maps_.push_back({0, {}, {0}, {}, {Point<2>(x, 0.0)}, Vector<2>::Ones().asDiagonal()});
     return estimate_.add_factor({maps_.back(), {pose_, feature}});
   }
-  /// A third sight of a feature that would let chi2 fall by this much if the feature went where all three want it to be:
-  /// 2 x² + (x - d)² is d² at 0, and 2/3 d² at d/3.
+  /// A third sight of a feature, for which chi2 would fall by `gain` if the feature went where all three want it to be: 2 x² +
+  /// (x - d)² is d² at 0, and 2/3 d² at d/3.
   FactorIndex see_with_gain(JoinedIndex feature, double gain) { return see(feature, std::sqrt(3.0 * gain)); }
   double x(JoinedIndex feature) const { return estimate_.variable(feature).value.translation.x(); }
 
@@ -57,7 +58,7 @@ class DeferralTest : public ::testing::Test {
 };
 
 TEST_F(DeferralTest, OnlyWhatIsNewMovesAndTheRestAtTheNextSettling) {
-  see_features(200);  // 7e-4 of chi2 are 0.28
+  see_features(200);  // 7e-4 of chi2, which may be missed, are 0.28
   const JoinedIndex added = estimate_.add_variable(false, {}, false);
   see(added, 7.0);
   see_with_gain(features_[3], 0.15);
@@ -85,7 +86,7 @@ TEST_F(DeferralTest, EndsWhereTheRestWouldGainMoreThanItsShareOfChi2) {
 }
 
 TEST_F(DeferralTest, EndsWhereAMapWouldGainMoreThanAStandardDeviationInEachRow) {
-  see_features(4000);  // 7e-4 of chi2 are 5.6
+  see_features(4000);  // 7e-4 of chi2, which may be missed, are 5.6
   see_with_gain(features_[3], 1.9);
   EXPECT_TRUE(estimate_.defer());
   see_with_gain(features_[5], 2.1);
@@ -123,7 +124,7 @@ TEST_F(DeferralTest, IsNotTriedAgainAtOnceWhereFarTooMuchWasMissed) {
   see_features(200);
   see_with_gain(features_[3], 1.4);  // five times what may be missed
   EXPECT_FALSE(estimate_.defer());
-  for (const bool is_tried : {false, false, false, true}) {  // 1.4, 0.7, 0.35 against 0.28 and a little
+  for (const bool is_tried : {false, false, false, true}) {  // 1.4, 0.7 and 0.35 are above 0.28
     estimate_.settle({});
     see(features_[9], 0.0);
     EXPECT_EQ(estimate_.defer().has_value(), is_tried);

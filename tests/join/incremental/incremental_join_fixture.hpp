@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Updates of a small world, and how far their incremental join is from a join of all of them.
+// Updates of a small world, and the difference of their incremental join from a join of all at once.
 
 #include <gtest/gtest.h>
 

@@ -13,8 +13,8 @@ namespace {
 using testing::bytes_in_use;
 using testing::Corridor;
 
-/// With a snapshot after every map, the last of which is kept. Tables grow by doubling: at twice as many maps they take twice
-/// as much, wherever the doubling falls. `./dev bench soak` does the same with more maps.
+/// A corridor joined with a snapshot after every map, of which the last is kept. Tables grow by doubling: at twice as many maps
+/// they take twice as much, wherever the doubling falls. `./dev bench soak` does this with more maps.
 TEST(IncrementalSoak, MemoryGrowsInProportionToTheMapsAndIsGivenBack) {
   constexpr int kMaps = 20'000;
   const double before = bytes_in_use();
@@ -60,7 +60,7 @@ TEST(IncrementalSoak, IsWithinAThousandthOfTheBatchOptimumWhileMapsAreDeferred) 
   }
   EXPECT_GT(deferred, 50u);
   EXPECT_LT(worst, 1e-3);
-  EXPECT_GT(worst, 1e-7);  // something was put off
+  EXPECT_GT(worst, 1e-7);  // something was deferred
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What waits until something ties it to the estimate, and what ties it.
+// Updates that wait until something ties them to the estimate, and what ties them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ TYPED_TEST(IncrementalWaitingTest, ASessionThatSharesNothingYetWaits) {
                                                               return first_pose(update) == PoseId{1, 0};
                                                             }) -
                                                updates.begin());
-  // Of the second session only its last update shares features with the first.
+  // The last update of the second session is the only one that shares features with the first.
   auto cut = updates;
   std::uint64_t next = 1000;
   for (std::size_t k = second; k + 1 < cut.size(); ++k) {

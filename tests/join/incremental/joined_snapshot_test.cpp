@@ -15,7 +15,7 @@
 namespace mapjoin {
 namespace {
 
-/// The estimate of a pose and its covariance; nothing where it has none.
+/// The estimate of a pose and its covariance, nullopt if it has none.
 template <int Dim>
 struct Answer {
   Pose<Dim> pose;
@@ -36,7 +36,7 @@ class JoinedSnapshotTest : public ::testing::Test {
   static constexpr int kDim = D::value;
   using Updates = std::vector<SubmapUpdate<kDim>>;
 
-  /// Closures among them move what was there long before, and rotate it.
+  /// Updates of a world whose closures move and rotate poses of long before.
   const Updates updates_ =
       testing::parts_of_log(testing::small_world<kDim>({.poses = 100, .features = 60, .closures = 6}).log, 6.0);
 };
@@ -61,7 +61,7 @@ TYPED_TEST(JoinedSnapshotTest, StaysAsItIsWhateverIsAdded) {
     }
     const PoseId moved = std::get<PoseId>(kept[1]);
     EXPECT_FALSE(std::get<Answer<kDim>>(kept[1]) == Answer<kDim>::of(*joined.snapshot(), moved));
-  }  // and the join itself may go
+  }  // the join itself is gone
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const auto& [snapshot, id, answer, chi2] = kept[k];
     EXPECT_TRUE(Answer<kDim>::of(*snapshot, id) == answer) << k;
@@ -73,7 +73,7 @@ TYPED_TEST(JoinedSnapshotTest, StaysAsItIsWhateverIsAdded) {
   }
 }
 
-/// What another thread is told while maps are added is what one of the updates left, to the last bit.
+/// Answers to other threads while maps are added are those after one of the updates, to the last bit.
 TYPED_TEST(JoinedSnapshotTest, AnswersOtherThreadsWhileMapsAreAdded) {
   constexpr int kDim = TestFixture::kDim;
   const PoseId asked = last_pose(this->updates_.front());

@@ -95,7 +95,8 @@ TYPED_TEST(MapFactorTest, SaysHowFarTheLinearisationErrs) {
   factor.linearise(this->variables_);
   EXPECT_LT(factor.fit(this->variables_).error, 1e-18);
   EXPECT_EQ(factor.fit(this->variables_).chi2, factor.chi2(this->variables_));
-  // Of second order in the steps: a tenth of them makes a ten-thousandth of it, and a tenth of the turn a hundredth.
+  // A tenth of the step makes a ten-thousandth of the squared error of the residual, and a hundredth of the error by the turn
+  // of the base.
   const PoseVector<TestFixture::kDim> step = this->random_.template vector<TestFixture::kDof>(0.1);
   this->variables_[0].move_to(step);
   const double error = factor.fit(this->variables_).error;

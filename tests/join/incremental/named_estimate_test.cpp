@@ -14,7 +14,7 @@ class NamedEstimateTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// All updates of a world, at the optimum.
+  /// Enters all updates of a world into both estimates, at the optimum.
   NamedEstimateTest() {
     const SubmapSet<kDim> set = testing::set_of_all(updates_);
     const Join<kDim> joined = testing::batch_join(pointers());
@@ -28,7 +28,7 @@ class NamedEstimateTest : public ::testing::Test {
     for (const auto& update : updates_) all.push_back(&update);
     return all;
   }
-  /// A closure that is off by so much.
+  /// A closure that is off by so many metres along x.
   SubmapUpdate<kDim> closure(double metres) const {
     SubmapUpdate<kDim> update;
     update.poses = {first_pose(updates_[2]), last_pose(updates_[8])};
@@ -37,7 +37,7 @@ class NamedEstimateTest : public ::testing::Test {
     update.graph.pose_factors = {{0, 1, measured, 3e4 * PoseMatrix<kDim>::Identity(), {}}};
     return update;
   }
-  /// From the estimate that was never touched, in standard deviations, of a pose.
+  /// The distance of a pose from its place in the untouched estimate, in standard deviations.
   double deviations(const PoseId& id) {
     const PoseVector<kDim> step = local(*untouched_.pose(id), *estimate_.pose(id));
     return std::sqrt(step.dot(untouched_.snapshot()->covariance(id).value().llt().solve(step)));

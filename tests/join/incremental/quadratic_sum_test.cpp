@@ -13,7 +13,7 @@
 namespace mapjoin {
 namespace {
 
-/// Groups of variables, the last a single one, and quadratics over all variables of some groups.
+/// A sum of quadratics, each over all variables of some groups.
 class QuadraticSumTest : public ::testing::Test {
  protected:
   void add_group(int variables, int rank) {
@@ -26,7 +26,7 @@ class QuadraticSumTest : public ::testing::Test {
     }
   }
 
-  /// A positive definite one over the variables of these groups, each group's in descending order.
+  /// Adds a positive definite quadratic over the variables of these groups, those of each group in descending order.
   void add_quadratic(const std::vector<std::size_t>& groups) {
     Quadratic& added = quadratics_.emplace_back();
     for (const std::size_t g : groups) added.variables.insert(added.variables.end(), groups_[g].rbegin(), groups_[g].rend());
@@ -50,7 +50,7 @@ class QuadraticSumTest : public ::testing::Test {
     return eliminate(sum_);
   }
 
-  /// L Lᵀ of all fronts, whose columns are spread over the rows of the sum.
+  /// The sum of L Lᵀ of all fronts, each at its rows of the sum of quadratics.
   Eigen::MatrixXd product(const std::vector<SumNode>& nodes) const {
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(offsets_.back(), offsets_.back());
     for (const SumNode& node : nodes) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Logs with wrong closures, map by map: what is left out in the end, and the estimate, are those of the whole log at once.
+// Logs with wrong closures, joined map by map: the closures left out in the end and the estimate, against the whole log at
+// once.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +24,7 @@ std::vector<ClosureName> rejected_of(const Log<Dim>& log, const Inliers<Log<Dim>
   return names;
 }
 
-/// The closures that are left out, the chi2 and the poses are those of the inliers of the whole log.
+/// Expects the closures left out, chi2 and poses to be those by the inliers of the whole log.
 template <int Dim>
 void expect_same_end(const Log<Dim>& log, const RobustIncrementalJoin<Dim>& joined) {
   const auto inliers = find_inliers(log, RobustOptions{}).value();
@@ -76,7 +77,7 @@ TEST(RobustIncrementalData, ALogThatIsThereAlreadyEndsAsMapByMap) {
   expect_same_end(log, joined);
 }
 
-/// Its maps are of features, between kept poses, among which the closure is.
+/// A wrong closure between kept poses of a log of features.
 TEST(RobustIncrementalData, AWrongClosureOfHugeInformationBendsNothing) {
   const auto clean = std::get<Log<2>>(open_log(testing::data_file("dlr/dlr_corrected.g2o.gz")).value());
   Log<2> log = clean;

@@ -20,7 +20,7 @@ SubmapUpdate<Dim> closure(const PoseId& from, const PoseId& to, const Pose<Dim>&
   return update;
 }
 
-/// Two robots that nothing ties but where they meet, and their updates.
+/// Two robots that only their meetings tie together, and their updates.
 template <int Dim>
 struct TwoRobots {
   TwoRobots() {
@@ -30,7 +30,7 @@ struct TwoRobots {
     second.assign(half, updates.end());
   }
   std::size_t turns() const { return first.size(); }
-  /// They see each other at the ends of their k-th segments.
+  /// The closure by which the robots see each other at the ends of their k-th segments.
   SubmapUpdate<Dim> meeting(std::size_t k) const {
     const IndexOf index_of(world.log.poses);
     const auto pose = [&](const PoseId& id) { return world.truth.poses[*index_of(id)]; };
@@ -82,7 +82,7 @@ TYPED_TEST(RobustIncrementalJoinTest, AClosureThatIsTakenOutLeavesNoTrace) {
     with.add(update).value();
   }
   auto wrong = closure<kDim>(log.poses.front(), log.poses.back(), {});
-  wrong.graph.pose_factors[0].information *= 0.1;  // it bends, but does not break
+  wrong.graph.pose_factors[0].information *= 0.1;  // it bends the map, but does not break it
   const std::size_t number = with.update_count();
   with.add(wrong).value();
   EXPECT_GT(local(*with.pose(log.poses.back()), *without.pose(log.poses.back())).norm(), 1e-2);
@@ -179,6 +179,21 @@ TYPED_TEST(RobustIncrementalJoinTest, OfBadInputNothingIsAdded) {
   EXPECT_EQ(added.error().message, "update 2: pose 7 of session 7 is in no segment yet");
   EXPECT_EQ(joined.estimate().update_count(), 1u);
   EXPECT_FALSE(joined.estimate().pose(last_pose(updates[1])));
+}
+
+/// Some name themselves, and may do so by that number, too.
+TYPED_TEST(RobustIncrementalJoinTest, CallsUpdatesWithoutASourceByTheirNumberAmongAll) {
+  constexpr int kDim = TestFixture::kDim;
+  auto updates = testing::updates_of(testing::small_world<kDim>({.poses = 40, .features = 0, .closures = 0}).log, 6.0);
+  ASSERT_GE(updates.size(), 4u);
+  updates[0].source = "update 1";
+  updates[2].source = "update 3";
+  RobustIncrementalJoin<kDim> joined;
+  joined.add(updates[0]).value();
+  joined.add_all({updates[1], updates[2]}).value();
+  EXPECT_FALSE(joined.add(updates[1])) << "which does not count";
+  joined.add(updates[3]).value();
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(joined.estimate().update(k).source, "update " + std::to_string(k + 1));
 }
 
 TYPED_TEST(RobustIncrementalJoinTest, OfBadClosuresNothingIsAdded) {

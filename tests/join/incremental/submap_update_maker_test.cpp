@@ -12,7 +12,8 @@
 namespace mapjoin {
 namespace {
 
-/// A log as it is written while the robot drives: with each pose its odometry, its closures to earlier poses and its sights.
+/// A log in slices of `poses_at_once` poses, as it is written while the robot drives: each pose comes with its odometry, its
+/// closures to earlier poses and its observations.
 template <int Dim>
 std::vector<Log<Dim>> driven(const Log<Dim>& log, int poses_at_once) {
   std::vector<Log<Dim>> slices;
@@ -45,7 +46,7 @@ class SubmapUpdateMakerTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// All updates of a log that comes in slices, or none where it must be cut anew.
+  /// All updates of a log that comes in slices; none if the maker refuses a slice.
   static std::vector<SubmapUpdate<kDim>> parts_of_slices(const std::vector<Log<kDim>>& slices, SubmapUpdateMaker<kDim>& maker) {
     std::vector<SubmapUpdate<kDim>> updates;
     for (std::size_t k = 0; k <= slices.size(); ++k) {
@@ -77,7 +78,7 @@ TYPED_TEST(SubmapUpdateMakerTest, ASegmentIsTakenOnceTheNextStepIsThere) {
   constexpr int kDim = TestFixture::kDim;
   const auto slices = driven(testing::small_world<kDim>({.poses = 20, .closures = 0}).log, 1);
   SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
-  std::vector<std::uint64_t> ends;  // the poses that are there when updates are taken
+  std::vector<std::uint64_t> ends;  // the last pose that is there when an update is taken
   for (std::size_t k = 0; k < slices.size(); ++k) {
     ASSERT_TRUE(maker.add(slices[k]));
     const auto updates = maker.take(false).value();

@@ -14,7 +14,8 @@ double probability(double odds) {
   return 1.0 / (1.0 + std::exp(-odds));
 }
 
-/// What the first of so many measurements is told by all others, each of which is of a group, and right.
+/// The log-odds of a measurement with evidence 1 by itself, once others, each of a group and right, have given it `evidence`
+/// each.
 double odds_among_right_ones(const std::vector<std::uint32_t>& groups, float evidence) {
   std::vector<PriorOdds> priors{{.evidence = 1.0}};
   Agreements agreements(1 + groups.size());

@@ -39,14 +39,14 @@ TYPED_TEST(ClosureJudgementTest, TellsWhatCountsFromWhatAgreesAndFromWhatDoesNot
   EXPECT_EQ(judged.chi2[4], join.closure_tests()[3].chi2) << "exact for those that were chosen";
 }
 
-/// What a map says of four closures.
+/// The closures that fit beyond chance, judged by a map.
 template <typename D>
 class FitsBeyondChanceTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// All deviations are 1 (m, rad), and the map predicts each closure to be as long as `predicted` (m). The last one measured
-  /// so much (m), the others nothing.
+  /// True for each closure that fits beyond chance. All standard deviations are 1 (m, rad), and the map predicts each closure
+  /// to lead `predicted` metres ahead; the last one measured `measured_by_last` (m), the others nothing.
   std::vector<bool> fits(const std::vector<Standing>& standing, const std::vector<double>& chi2, double measured_by_last,
                          double predicted = 0.0, bool is_turned = false) {
     ClosureJudgement<kDim> judgement{standing, chi2, {}, {}};
@@ -58,7 +58,7 @@ class FitsBeyondChanceTest : public ::testing::Test {
       closures.push_back({PoseIndex(2 * k), PoseIndex(2 * k + 1), {}, PoseMatrix<kDim>::Identity()});
     }
     closures.back().measured.translation[0] = measured_by_last;
-    if (is_turned) {  // written from its later end
+    if (is_turned) {  // stored from its later pose to its earlier one
       std::swap(closures.back().base, closures.back().target);
       closures.back().measured = inverse(closures.back().measured);
     }

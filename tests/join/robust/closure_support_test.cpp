@@ -14,7 +14,7 @@ namespace {
 using testing::Crossing;
 using testing::two_drives;
 
-/// The odds of a closure of which nothing is known.
+/// The log-odds of a closure of which nothing is known.
 const double kNothingKnown = std::log(1.0 / 9.0);
 
 template <typename D>
@@ -22,7 +22,7 @@ class ClosureSupportTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// The log of closures between two drives, and what they say of each other.
+  /// Two drives with closures between them, and the support of the closures by each other.
   struct Between {
     explicit Between(const std::vector<Crossing>& crossings, double errors = 0.0)
         : log(two_drives<kDim>(140, crossings, errors)) {}
@@ -31,10 +31,10 @@ class ClosureSupportTest : public ::testing::Test {
 
     Log<kDim> log;
     OdometryChain<kDim> chain{log};
-    ClosureSupport<kDim> support{chain, log.closures()};
+    ClosureSupport<kDim> support{chain, log.closures(), 1};
   };
 
-  /// Four closures of each of the poses 20 to 119.
+  /// Four closures from each of the poses 20 to 119 of the first drive.
   static std::vector<Crossing> many() {
     std::vector<Crossing> crossings;
     for (std::uint64_t k = 20; k < 120; ++k) {
@@ -62,7 +62,7 @@ TYPED_TEST(ClosureSupportTest, TakesAClosureEitherWayRound) {
   PoseFactor<TypeParam::value>& closure = between.log.graph.pose_factors.back();
   std::swap(closure.base, closure.target);
   closure.measured = inverse(closure.measured);
-  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures());
+  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures(), 1);
   EXPECT_GT(support.odds(support.priors(1.0), 1.0)[0], 0.0);
 }
 
@@ -80,12 +80,41 @@ TYPED_TEST(ClosureSupportTest, DoesNotCompareAcrossMoreThanSixtySteps) {
   EXPECT_EQ(far.odds()[0], kNothingKnown);
 }
 
+TYPED_TEST(ClosureSupportTest, ComparesAcrossMoreStepsWithALongerReach) {
+  const typename TestFixture::Between far({{10, 12}, {40, 43}});
+  const ClosureSupport<TypeParam::value> support(far.chain, far.log.closures(), 2);
+  EXPECT_GT(support.odds(support.priors(1.0), 1.0)[0], 0.0);
+  EXPECT_FALSE(support.compares_all());
+  EXPECT_TRUE(ClosureSupport<TypeParam::value>(far.chain, far.log.closures(), 16).compares_all());
+}
+
+TYPED_TEST(ClosureSupportTest, ReachesAsFarAsTheBestNeedToBeSupported) {
+  const auto reach_of = [](const std::vector<Crossing>& crossings) {
+    const typename TestFixture::Between between(crossings);
+    return supported(between.chain, between.log.closures(), {}).longest_loop();
+  };
+  EXPECT_EQ(reach_of({{10, 12}, {15, 18}, {20, 22}}), 60);
+  EXPECT_EQ(reach_of({{10, 10}, {60, 60}, {110, 110}}), 120);
+  EXPECT_EQ(reach_of({{10, 10}, {11, 11}, {110, 110}, {111, 111}}), 240);
+  EXPECT_EQ(reach_of({{10, 10}}), 60) << "nothing supports it";
+}
+
+TEST(OddsOfBest, AreThoseThatOneInAHundredSurpasses) {
+  std::vector<double> odds(250, -1.0);
+  odds[7] = 5.0;
+  EXPECT_EQ(odds_of_best({1.0, 4.0, 2.0}), 4.0);
+  EXPECT_EQ(odds_of_best(odds), -1.0);
+  odds[8] = odds[9] = 3.0;
+  EXPECT_EQ(odds_of_best(odds), 3.0);
+}
+
 TYPED_TEST(ClosureSupportTest, CountsThoseThatBearEachOtherOut) {
   const typename TestFixture::Between between({{10, 10}, {12, 12}, {15, 15, 3.0}, {17, 17, 3.0}, {32, 32}, {52, 52}, {54, 54}});
   const auto sizes = [&](const std::vector<bool>& is_asked) { return between.support.set_sizes(is_asked, 1.0); };
-  // The first two with the one 20 steps on, and that with the last two; the two that are wrong alike.
+  // One set is of the first two, the one 20 steps on and the last two, 20 steps from that; another of the two that are wrong
+  // alike.
   EXPECT_EQ(sizes({true, true, true, true, true, true, true}), (std::vector<std::size_t>{5, 5, 2, 2, 5, 5, 5}));
-  // Without the one between them they are not one set, and one alone is one of its own.
+  // Without closure 4 the first two and the last two are two sets, and one that is left alone is a set of its own.
   EXPECT_EQ(sizes({true, true, true, false, false, true, true}), (std::vector<std::size_t>{2, 2, 1, 0, 0, 2, 2}));
 }
 
@@ -115,7 +144,7 @@ TYPED_TEST(ClosureSupportTest, ComparesNoLongerOnceAStopIsRequested) {
   EXPECT_GT(between.odds()[0], 0.0);
   std::stop_source source;
   source.request_stop();
-  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures(), source.get_token());
+  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures(), 1, source.get_token());
   EXPECT_EQ(support.odds(support.priors(1.0), 1.0)[0], kNothingKnown);
 }
 
@@ -131,7 +160,7 @@ TYPED_TEST(ClosureSupportTest, TakesTheWordOfOdometryWithinADrive) {
   within.measured.translation[1] = 10.0;
   factors.push_back(within);
   const OdometryChain<kDim> chain(log);
-  const auto priors = ClosureSupport<kDim>(chain, log.closures()).priors(1.0);
+  const auto priors = ClosureSupport<kDim>(chain, log.closures(), 1).priors(1.0);
   EXPECT_EQ(priors[0].evidence, kNothingKnown);
   EXPECT_EQ(priors[1].evidence, kNothingKnown + 5.0);
   EXPECT_EQ(priors[2].evidence, kNothingKnown - 20.0);
@@ -143,7 +172,7 @@ TYPED_TEST(ClosureSupportTest, TakesTheWordOfAMapWithItsCovarianceScaled) {
   UncertainPose<kDim> mismatch;
   mismatch.covariance = 1e-4 * PoseMatrix<kDim>::Identity();
   EXPECT_EQ(between.support.prior(mismatch, 1.0).evidence, kNothingKnown + 5.0);
-  mismatch.mean.translation[0] = 0.07;  // 7 standard deviations: less of a coincidence the larger these are
+  mismatch.mean.translation[0] = 0.07;  // 7 standard deviations, or 14 and 1.75 of those scaled
   EXPECT_LT(between.support.prior(mismatch, 0.25).evidence, kNothingKnown - 5.0);
   EXPECT_EQ(between.support.prior(mismatch, 16.0).evidence, kNothingKnown + 5.0);
 }
@@ -179,10 +208,9 @@ TYPED_TEST(ClosureSupportTest, FindsTheScaleByTheBestSupportedTwentieth) {
   for (std::size_t k = best; k < count; ++k) {
     closures[k].measured.translation[0] += 0.02 * (static_cast<double>(k % 5) - 2.0);  // up to four standard deviations
   }
-  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures());
+  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures(), 1);
   EXPECT_LT(support.scale(odds), 0.02);
-  // Of all closures one loop in five agrees as closely, for two of five are off alike; the median loop is off by as much as
-  // covariances allow.
+  // Among all closures one loop in five is of two that are off alike, and agrees as closely.
   const double of_all = support.scale(std::vector<double>(count, 20.0));
   EXPECT_GT(of_all, 0.02);
   EXPECT_LT(of_all, 0.08);
@@ -193,7 +221,7 @@ TYPED_TEST(ClosureSupportTest, FindsNoScaleByCopies) {
   auto& factors = between.log.graph.pose_factors;
   const std::size_t count = between.log.closures().size();
   for (std::size_t k = 0; k < 2 * count; ++k) factors.push_back(factors[factors.size() - count]);
-  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures());
+  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures(), 1);
   EXPECT_GT(support.scale(std::vector<double>(3 * count, 20.0)), 0.2)
       << "a sixth of the loops are of copies, which fit exactly";
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which closures and observations of a truncated join count: what is dropped, and what is let in again.
+// Closures and observations that count in a truncated join: those that are dropped, and those that are let in again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -64,8 +64,8 @@ TYPED_TEST(CountingTest, DropsOnlyTheFarthestObservationsAtOnce) {
   EXPECT_GT(spared, 0U) << "that are beyond, too";
 }
 
-/// Which closures are dropped of a world whose worst one, closure 1, has so many times the threshold as chi2. That of closure 4
-/// is two thirds of it, that of closure 5 a quarter, and no other's a tenth.
+/// The closures that are dropped from a world where the chi2 of the worst one, closure 1, is `excess` times the threshold.
+/// Closure 4 has two thirds of that chi2, closure 5 a quarter, and no other a tenth.
 template <typename D>
 class DropTest : public testing::TruncatedJoinFixture<D> {
  protected:

@@ -14,8 +14,8 @@ namespace {
 
 using testing::Crossing;
 
-/// Four laps of a square, each tied to the one before by a closure every four poses, with a slip on the way to one of them, and
-/// so many wrong closures that bear each other out.
+/// Four laps of a square, each tied to the one before by a closure every four poses, with a slip of 2 m on the step to pose
+/// `slip` and `wrong` wrong closures that bear each other out.
 template <int Dim>
 Log<Dim> laps(int slip, std::uint64_t wrong = 0) {
   constexpr std::uint64_t kPoses = 160;
@@ -48,8 +48,8 @@ class DoubtfulOdometryTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// Two drives with two closures of some poses of the first one, each so many steps after the one before, which slips on its
-  /// way to pose 50; with one of them it could as well be the second drive.
+  /// Two drives, the first of which slips on its step to pose 50, with two closures from every `every`-th of its poses 0 to 79;
+  /// with one each it could as well be the second drive that slips.
   static Log<kDim> slipping(double by, std::uint64_t every = 1) {
     std::vector<Crossing> crossings;
     for (std::uint64_t k = 0; k < 80; k += every) crossings.insert(crossings.end(), {{k, k}, {k, k + 20}});
@@ -63,20 +63,21 @@ class DoubtfulOdometryTest : public ::testing::Test {
     EXPECT_EQ(inliers.rejected[0].misfit.kind, PartKind::kOdometry);
     EXPECT_EQ(std::get<PoseIndex>(inliers.rejected[0].misfit.to), PoseIndex(50));
   }
-  /// And, it may be, one of the other drive, of which the closures across the slip cannot tell.
+  /// Expects the slip to be the first doubtful step; any others are of the other drive, which closures across the slip cannot
+  /// tell from it.
   static void expect_step(const std::vector<PoseIndex>& steps, PoseIndex slip) {
     EXPECT_EQ(steps.at(0), slip);
     for (std::size_t k = 1; k < steps.size(); ++k)
       EXPECT_GE(steps[k], PoseIndex(100)) << "another step of the drive that slips";
   }
-  /// Of laps(): no loop tells the steps between two closures apart.
+  /// Expects the slip of laps() or a step between the same two closures, which no loop tells apart.
   static void expect_between_closures(const Rejected& step, int slip) {
     EXPECT_EQ(step.misfit.kind, PartKind::kOdometry);
     EXPECT_EQ((std::get<PoseIndex>(step.misfit.to).value - 1) / 4, (slip - 1) / 4);
   }
   static std::vector<PoseIndex> doubtful(const Log<kDim>& log) {
     const OdometryChain<kDim> chain(log);
-    return doubtful_steps(ClosureSupport<kDim>(chain, log.closures()));
+    return doubtful_steps(ClosureSupport<kDim>(chain, log.closures(), 1));
   }
   static RobustOptions all() { return {.odometry = true}; }
 };
@@ -87,12 +88,12 @@ TYPED_TEST(DoubtfulOdometryTest, IsTheStepThatLoopsSpeakAgainst) {
   this->expect_step(this->doubtful(this->slipping(2.0)), PoseIndex(50));
 }
 
-/// The first of those between two closures, of which no loop tells which it is.
+/// Of the steps between two closures, which no loop tells apart, only the first is named.
 TYPED_TEST(DoubtfulOdometryTest, IsNamedOnceWhereClosuresAreSteppedOver) {
   this->expect_step(this->doubtful(this->slipping(2.0, 4)), PoseIndex(49));
 }
 
-/// Right closures on either side of the slip do not know of each other: those across it are right, and outvoted.
+/// Right closures before a slip and after it tell nothing of each other; those across it are right, too, but outvoted.
 TYPED_TEST(DoubtfulOdometryTest, IsNamedWhereItSetsRightClosuresAgainstEachOther) {
   for (const int slip : {50, 70, 75, 95, 130}) {
     const auto rejected = find_inliers(laps<TypeParam::value>(slip), this->all()).value().rejected;
@@ -109,7 +110,7 @@ TYPED_TEST(DoubtfulOdometryTest, IsNamedBesideClosuresThatAreWrongTogether) {
   this->expect_between_closures(*std::ranges::find_if(rejected, is_odometry), 75);
 }
 
-/// Closures a tenth as sure: no two of them speak against a step, all of them together do.
+/// Closures with standard deviations ten times as large: no two of them speak against a step, all together do.
 TYPED_TEST(DoubtfulOdometryTest, IsFoundByTheVerdictWhereNoLoopTells) {
   auto log = this->slipping(0.5);
   const std::size_t first = log.odometry().size();
@@ -135,7 +136,7 @@ TYPED_TEST(DoubtfulOdometryTest, IsRejectedAndNothingElse) {
   EXPECT_EQ(inliers.input.poses, log.poses);
   EXPECT_EQ(inliers.input.closures().size(), log.closures().size());
   EXPECT_EQ(inliers.input.odometry().size() + 1, log.odometry().size());
-  const auto believed = find_inliers(log, RobustOptions{}).value().rejected;  // unless it is asked for
+  const auto believed = find_inliers(log, RobustOptions{}).value().rejected;  // odometry is believed unless it is asked for
   EXPECT_FALSE(believed.empty());
   for (const Rejected& rejected : believed) EXPECT_EQ(rejected.misfit.kind, PartKind::kClosure);
 }

@@ -17,7 +17,7 @@ class FixInliers : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// Moves every `nth` fix by 10 to 100 m, anywhere; those.
+  /// Moves every `nth` fix by 10 to 100 m in a random direction. Returns the places of these fixes.
   static std::set<std::size_t> spoil(std::size_t nth, Log<kDim>& log) {
     RandomStream random(9, 0);
     std::set<std::size_t> spoiled;
@@ -52,7 +52,7 @@ TYPED_TEST(FixInliers, WrongFixesAreFound) {
   }
 }
 
-/// Without the odometry and the features that tie the two halves of a drive, each is placed by its own fixes.
+/// A drive in two halves that neither odometry nor features tie: each half is placed by its own fixes.
 TYPED_TEST(FixInliers, WrongFixesAreFoundInPartsThatOnlyFixesTie) {
   auto world = gps_world<TestFixture::kDim>({.poses = 400, .between = 2});
   const auto is_late = [](PoseIndex pose) { return pose.value >= 200; };
@@ -63,7 +63,8 @@ TYPED_TEST(FixInliers, WrongFixesAreFoundInPartsThatOnlyFixesTie) {
   EXPECT_EQ(this->found_in(world.log), spoiled);
 }
 
-/// Two of five fixes, as of a receiver that says the origin of its frame while it has none, thousands of kilometres off.
+/// Two fixes of five are at one place thousands of kilometres away, as of a receiver that reports the origin of its frame while
+/// it has no fix.
 TYPED_TEST(FixInliers, WrongFixesThatAgreeAreFoundWhileTheyAreFewer) {
   auto world = gps_world<TestFixture::kDim>({.poses = 400, .between = 2});
   std::set<std::size_t> wrong;

@@ -35,8 +35,8 @@ INSTANTIATE_TEST_SUITE_P(Robust, CleanLogData,
                          ::testing::Values("pose-graphs-2d/intel.g2o.gz", "pose-graphs-2d/manhattanOlson3500.g2o.gz",
                                            "pose-graphs-2d/CSAIL.g2o.gz", "pose-graphs-2d/MIT.g2o.gz"));
 
-/// What was made of closures that were planted into a log. Wrong are those that are more than 10 standard deviations from what
-/// the map of the clean log predicts.
+/// The numbers of closures rejected and kept from a log with wrong ones planted. A planted one that is kept counts only if it
+/// is more than 10 standard deviations from what the map of the clean log predicts.
 struct Score {
   std::size_t right_rejected = 0;
   std::size_t wrong_rejected = 0;
@@ -95,7 +95,7 @@ class PlantedClosures {
 struct Planting {
   const char* file;
   ClosurePolicy policy;
-  double share;  ///< Of wrong closures among all.
+  double share;  ///< Share of wrong closures among all.
 };
 class PlantedClosuresData : public TestWithParam<Planting> {};
 
@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(Robust, PlantedClosuresData,
                                            Planting{"pose-graphs-2d/manhattanOlson3500.g2o.gz", ClosurePolicy::kRandomGroups,
                                                     0.5}));
 
-/// Groups of twenty bear each other out: a first map of all that are likely would be of wrong ones.
+/// Groups of wrong closures bear each other out: a first map of all that are likely would be of wrong ones.
 TEST(PlantedGroupsData, AreFoundWhereOneOfTenIsRight) {
   const auto log = log_in(testing::data_file("pose-graphs-2d/manhattanOlson3500.g2o.gz"));
   const Score score = PlantedClosures(log, ClosurePolicy::kRandomGroups, 0.9, 2).score();
@@ -120,7 +120,7 @@ TEST(PlantedGroupsData, AreFoundWhereOneOfTenIsRight) {
   EXPECT_GE(score.precision(), 0.9995);
 }
 
-/// In the first maps some groups are kept that bend the map, and right closures rejected that outnumber them.
+/// Wrong groups are kept in the first maps that bend the map, and right closures rejected that outnumber them.
 TEST(PlantedGroupsData, GiveWayWhereTheyAreOutnumbered) {
   const auto log = log_in<3>(testing::data_file("pose-graphs-3d/sphere2500.g2o.gz"));
   const Score score = PlantedClosures(log, ClosurePolicy::kRandomGroups, 0.9, 3).score();
@@ -128,8 +128,8 @@ TEST(PlantedGroupsData, GiveWayWhereTheyAreOutnumbered) {
   EXPECT_EQ(score.right_rejected, 0U);
 }
 
-/// A group that bears itself out passes each test, by covariances as cautious as those of Intel; not as closely as loops say
-/// that what is right fits.
+/// A wrong group passes each test with covariances as cautious as those of Intel, but does not fit as closely as loops say that
+/// right closures do.
 TEST(PlantedGroupsData, AreFoundWhereTheLogPassesItsTestsWithThem) {
   const Score score =
       PlantedClosures(log_in(testing::data_file("pose-graphs-2d/intel.g2o.gz")), ClosurePolicy::kRandomGroups, 0.0064, 3)
@@ -138,8 +138,8 @@ TEST(PlantedGroupsData, AreFoundWhereTheLogPassesItsTestsWithThem) {
   EXPECT_EQ(score.right_rejected, 0U);
 }
 
-/// MIT has twenty closures, of which odds tell little: which first map leads to all of them differs from draw to draw. In each of
-/// these some first map does not.
+/// MIT has twenty closures, of which odds tell little: the first map that leads to all of them differs from draw to draw. Each
+/// of these draws has a first map that does not.
 class FewClosuresData : public TestWithParam<std::uint64_t> {};
 
 TEST_P(FewClosuresData, AreAllKeptWhereAsManyAreWrong) {
@@ -150,7 +150,7 @@ TEST_P(FewClosuresData, AreAllKeptWhereAsManyAreWrong) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, FewClosuresData, ::testing::Values(1, 6, 7, 8, 9));
 
-/// Small logs with one or two wrong closures, over which full SLAM does not get.
+/// Small logs with wrong closures, with which full SLAM finds no map that fits.
 class RobustCases : public TestWithParam<const char*> {};
 
 TEST_P(RobustCases, FitOnceTheWrongClosuresAreOut) {

@@ -8,6 +8,7 @@
 #include <tests/support/closing_world.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
+#include <tests/support/two_drives.hpp>
 
 namespace mapjoin {
 namespace {
@@ -52,7 +53,7 @@ TYPED_TEST(InliersTest, RejectsObservationsUnderTheNamesOfOtherFeatures) {
   EXPECT_LE(inliers.rejected.size(), wrong + 2);
 }
 
-/// One step measures no rotation, which only closures across it do: the first map has none of them.
+/// A log with a step that measures no rotation, which only closures across it do; the first map has none of these.
 TYPED_TEST(InliersTest, AreFoundWhereOdometryLeavesSomethingFree) {
   constexpr int kDim = TypeParam::value;
   auto world = testing::small_world<kDim>({.poses = 60, .features = 0, .closures = 0});
@@ -76,6 +77,50 @@ TYPED_TEST(InliersTest, AreFoundWhereOdometryLeavesSomethingFree) {
   EXPECT_EQ(found->input.closures().size(), 13U);
 }
 
+/// A closure between two poses, as the truth has it; with `wrong_by` (m) added to its position.
+template <int Dim>
+PoseFactor<Dim> closure_of(const Values<Dim>& truth, int base, int target, const PoseMatrix<Dim>& W, double wrong_by = 0.0) {
+  PoseFactor<Dim> closure{PoseIndex(base), PoseIndex(target), {}, W, {}};
+  closure.measured = between(truth.poses[closure.base], truth.poses[closure.target]);
+  closure.measured.translation[0] += wrong_by;
+  return closure;
+}
+
+TYPED_TEST(InliersTest, KeepClosuresThatMeasureRotationOnlyHoweverFarApartTheirPosesAre) {
+  constexpr int kDim = TypeParam::value;
+  constexpr double kLarger = 100.0;
+  auto world = testing::small_world<kDim>({.poses = 60, .features = 0, .closures = 0, .noise = 1e-4});
+  for (PoseFactor<kDim>& edge : world.log.graph.pose_factors) edge.measured.translation *= kLarger;
+  PoseMatrix<kDim> W = PoseMatrix<kDim>::Zero();
+  W.diagonal().template tail<kRotationDof<kDim>>().setConstant(1e6);
+  for (int k = 0; k < 12; ++k) {
+    world.log.graph.pose_factors.push_back(closure_of(world.truth, k, k + 30, W));
+    world.log.graph.pose_factors.back().measured.translation.setZero();
+  }
+  put_in_order(world.log);
+  EXPECT_TRUE(find_inliers(world.log, {}).value().rejected.empty());
+}
+
+TYPED_TEST(InliersTest, KeepClosuresThatDoNotMeasureAlongACorridor) {
+  constexpr int kDim = TypeParam::value;
+  auto log = testing::two_drives<kDim>(600, {{0, 0}, {300, 300}, {599, 599}});  // straight, and without noise
+  PoseMatrix<kDim> across = 1e6 * PoseMatrix<kDim>::Identity();
+  across(0, 0) = 0.0;
+  for (int k = 0; k < 12; ++k) log.graph.pose_factors.push_back({PoseIndex(10 * k), PoseIndex(10 * k + 400), {}, across, {}});
+  put_in_order(log);
+  EXPECT_TRUE(find_inliers(log, {}).value().rejected.empty());
+}
+
+TYPED_TEST(InliersTest, RejectASharpWrongClosureOfALongLoop) {
+  constexpr int kDim = TypeParam::value;
+  auto world = testing::small_world<kDim>({.poses = 60, .features = 0, .closures = 0, .noise = 1e-4});
+  for (PoseFactor<kDim>& edge : world.log.graph.pose_factors) edge.information *= 1e6;
+  const PoseMatrix<kDim> W = 1e4 * world.log.odometry()[0].information;
+  world.log.graph.pose_factors.push_back(closure_of(world.truth, 0, 59, W, 1.0));
+  put_in_order(world.log);
+  EXPECT_EQ(find_inliers(world.log, {}).value().rejected.size(), 1U);
+}
+
 TYPED_TEST(InliersTest, EndsOnceAStopIsRequested) {
   const testing::ClosingWorld<TypeParam::value> world(25, 1, 12);
   std::stop_source source;
@@ -89,7 +134,7 @@ TEST(RobustOptionsTest, WantAConfidenceBetweenZeroAndOne) {
   EXPECT_FALSE(RobustOptions{.confidence = 0.0}.validate().empty());
 }
 
-/// Two robots that see nothing but each other, from step to step.
+/// Two robots without features that see each other at their first `meetings` poses.
 template <int Dim>
 Log<Dim> meeting_robots(int meetings) {
   auto world = testing::small_world<Dim>({.poses = 60, .features = 0, .closures = 6, .sessions = 2});

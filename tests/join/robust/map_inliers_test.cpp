@@ -58,7 +58,7 @@ TYPED_TEST(MapInliersTest, LeavesWhatTheMapSaysOfOtherFeaturesAsItWas) {
   FeatureIndex other = 0;
   while (has(map, other)) ++other;
   map.features[1] = other;
-  const Eigen::MatrixXd before = map.information.inverse();  // the covariance
+  const Eigen::MatrixXd before = map.information.inverse();  // covariance
   const auto inliers = find_inliers(set, RobustOptions{}).value();
   const Eigen::MatrixXd after = inliers.input.graph.submaps[3].information.inverse();
   const Eigen::Index first = map.row(map.poses.size() + 1);
@@ -103,7 +103,7 @@ TYPED_TEST(MapInliersTest, JudgeFeaturesAloneAlsoWhereMapsKeepPosesOnTheirWay) {
   auto set = testing::small_submap_set(world.log, 5.0);
   ASSERT_TRUE(std::ranges::any_of(set.graph.submaps, [](const auto& map) { return map.poses.size() > 1; }));
   EXPECT_TRUE(find_inliers(set, RobustOptions{}).value().rejected.empty());
-  set.graph.pose_factors.clear();  // of closures
+  set.graph.pose_factors.clear();  // the closures
   auto& map = set.graph.submaps[3];
   map.feature_estimates[1][0] += 5.0;
   const auto rejected = find_inliers(set, RobustOptions{}).value().rejected;
@@ -111,7 +111,7 @@ TYPED_TEST(MapInliersTest, JudgeFeaturesAloneAlsoWhereMapsKeepPosesOnTheirWay) {
   EXPECT_EQ(std::get<FeatureIndex>(rejected[0].misfit.to), map.features[1]);
 }
 
-/// Of features whose names two other maps give rightly; of wrong ones, whose true names as well.
+/// The numbers of features whose id at least two other maps give rightly; for a wrong id, both the id given and the true one.
 struct Counts {
   int right = 0;
   int right_rejected = 0;

@@ -17,7 +17,7 @@ class PredictionsTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// A map, and what it says of relative poses.
+  /// A map with the marginals that predict relative poses.
   struct Map {
     explicit Map(Log<kDim> made) : log(std::move(made)) {
       Join<kDim> joined = join(graph, log.poses, log.features, JoinOptions<kDim>{}).value();
@@ -27,13 +27,13 @@ class PredictionsTest : public ::testing::Test {
       marginals.emplace(restored->system.equations());
     }
     const Values<kDim>& estimate() const { return restored->system.estimate(); }
-    /// A closure that is no part of the map.
+    /// A closure that is not a part of the map.
     PoseFactor<kDim> closure(PoseIndex base, PoseIndex target) const {
       testing::Random random;
       const Pose<kDim> measured = testing::noisy(between(estimate().poses[base], estimate().poses[target]), 0.1, random);
       return {base, target, measured, 1e2 * random.information<kPoseDof<kDim>>()};
     }
-    /// The covariance of its mismatch, by the dense inverse of all information.
+    /// The covariance of the mismatch of a closure, by the dense inverse of all information.
     PoseMatrix<kDim> exact(const PoseFactor<kDim>& closure) const {
       testing::DenseInformation<kDim> dense(estimate());
       for (const auto& o : log.edges()) dense.add(o);
@@ -63,7 +63,7 @@ class PredictionsTest : public ::testing::Test {
   };
 
   static Log<kDim> world() { return testing::small_world<kDim>({.poses = 24, .features = 10, .closures = 3}).log; }
-  /// Odometry alone.
+  /// The log of a line of odometry alone.
   static Log<kDim> line() { return testing::small_world<kDim>({.poses = 24, .features = 0, .closures = 0}).log; }
 };
 TYPED_TEST_SUITE(PredictionsTest, testing::Dimensions);
@@ -89,7 +89,7 @@ TYPED_TEST(PredictionsTest, AreExactForManyClosuresAtOnce) {
   std::vector<PoseFactor<kDim>> closures;
   for (const int target : {23, 7, 16, 2, 11}) closures.push_back(map.closure(5, PoseIndex(target)));
   for (const int base : {22, 14, 9, 1}) closures.push_back(map.closure(PoseIndex(base), 18));
-  // Of the first pose again: one to the pose that holds the map, and one to a target that was there, between others.
+  // More closures from pose 5: one of them to the pose that holds the map, and one to a target of before.
   for (const int target : {20, 0, 7, 3}) closures.push_back(map.closure(5, PoseIndex(target)));
   const auto predicted = mismatches<kDim>(map.restored->system, *map.marginals, closures, map.far);
   for (std::size_t k = 0; k < closures.size(); ++k) {

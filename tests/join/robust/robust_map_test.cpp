@@ -10,7 +10,7 @@
 namespace mapjoin {
 namespace {
 
-/// So much noise that a step does not reach the minimum.
+/// Noise (m, rad) so large that a single step does not reach the minimum.
 constexpr double kRoughNoise = 0.03;
 
 template <typename D>
@@ -54,7 +54,7 @@ TYPED_TEST(RobustMapTest, LetsClosuresInAgainOnlyWhereAllAreTriedAgain) {
   }
 }
 
-/// Nearly all closures fit far more closely than their covariances would allow. Two do not: the second one is within the gate
+/// Nearly all closures fit far more closely than their covariances say. Two do not, the second of which is within the gate
 /// while the first one counts.
 TYPED_TEST(RobustMapTest, NarrowsTheGateOfClosuresByThoseThatRemain) {
   this->world = testing::small_world<TypeParam::value>({.poses = 30, .features = 0, .closures = 30, .noise = 1e-3});

@@ -17,8 +17,8 @@ class SightingSupportTest : public ::testing::Test {
 
   static std::vector<double> odds(const Log<kDim>& log) { return sighting_odds(OdometryChain<kDim>(log), log); }
 
-  /// Two drives, from whose poses feature 0, to the left of their first ones, is seen without error; and far off, once,
-  /// another.
+  /// Two drives that see feature 0, to the left of their first poses, without error from the given poses, and another feature
+  /// once, far off.
   static Log<kDim> sightings(const std::vector<PoseId>& poses) {
     Log<kDim> log = testing::two_drives<kDim>(100, {{5, 5}});
     const IndexOf index_of(log.poses);

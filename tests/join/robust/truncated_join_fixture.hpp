@@ -11,9 +11,9 @@
 
 namespace mapjoin::testing {
 
-/// So small an error that everything is linear: chi2 of logs that differ by a factor differs by what the theory says.
+/// Noise (m, rad) so small that everything is linear: chi2 of a log without a factor is what theory predicts.
 inline constexpr double kNoise = 1e-4;
-/// Of the squared distances of right factors, which are below 1e-4, and of wrong ones.
+/// The threshold between squared distances of right factors, which are below 1e-4, and of wrong ones.
 inline constexpr double kThreshold = 1e-3;
 inline constexpr OfKinds kThresholds{kThreshold, kThreshold};
 

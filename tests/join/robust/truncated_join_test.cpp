@@ -78,6 +78,34 @@ TYPED_TEST(TruncatedJoinTest, CountsOutAClosureWhoseChi2IsInfinite) {
   EXPECT_FALSE(join.counts(2));
 }
 
+TYPED_TEST(TruncatedJoinTest, HoldsTheStartOfASessionByNoMoreThanATypicalStep) {
+  constexpr int kDim = TypeParam::value;
+  auto world = testing::small_world<kDim>({.poses = 30, .features = 0, .closures = 0, .sessions = 2, .noise = kNoise});
+  auto& edges = world.log.graph.pose_factors;
+  for (std::size_t k = 0; k < edges.size(); k += 3) edges[k].information = 1e12 * PoseMatrix<kDim>::Identity();  // standing
+  for (int k = 0; k < 10; ++k) {
+    const PoseIndex base(3 * k), target(59 - 2 * k);
+    edges.push_back(
+        {base, target, between(world.truth.poses[base], world.truth.poses[target]), 25.0 * PoseMatrix<kDim>::Identity(), {}});
+  }
+  put_in_order(world.log);
+  const Values<kDim> truth = world.truth;
+  for (int p = 30; p < 60; ++p) world.truth.poses[PoseIndex(p)].translation[0] += 20.0;
+  auto join = this->join_of(world);
+  join.settle({});
+  EXPECT_LT(testing::largest_difference(join.system().estimate(), truth), 0.01);
+}
+
+TYPED_TEST(TruncatedJoinTest, DoesNotTestAnObservationThatAloneCountsOfItsFeature) {
+  const auto world = this->world();
+  const FeatureIndex feature = world.log.observations()[0].target;
+  std::vector<bool> count(world.log.observations().size(), true);
+  for (std::size_t k = 1; k < count.size(); ++k) count[k] = world.log.observations()[k].target != feature;
+  auto join = this->join_of(world, count);
+  join.settle({});
+  EXPECT_EQ(join.observation_tests()[0].rows, 0);
+}
+
 TYPED_TEST(TruncatedJoinTest, GivesKindsThresholdsOfTheirOwn) {
   auto closure = this->world();
   testing::spoil_closure(closure.log, 2, 0.05);
@@ -145,7 +173,7 @@ TYPED_TEST(TruncatedJoinTest, SettlesByAStepWithoutWhatDoesNotCount) {
   auto settled = this->join_of(world);
   auto by_a_step = this->join_of(world);
   for (auto* join : {&settled, &by_a_step}) {
-    join->settle({});  // the closure pulls, until it is dropped
+    join->settle({});  // the wrong closure pulls until it is dropped
     ASSERT_TRUE(join->drop_closures(0.9 * join->closure_tests()[2].chi2));
     ASSERT_EQ(this->closures_that_do_not_count(*join), std::vector<std::size_t>{2});
   }
@@ -159,7 +187,7 @@ TYPED_TEST(TruncatedJoinTest, SettlesByAStepWithoutWhatDoesNotCount) {
 TYPED_TEST(TruncatedJoinTest, TakesNoStepThatWouldRaiseChi2) {
   const auto world = this->world();
   const auto slam = testing::full_slam(world.log);
-  for (const double turn : {1.0, 2.0, 3.0}) {  // so far off that the linearised problem is another one
+  for (const double turn : {1.0, 2.0, 3.0}) {  // so far off that the linearised problem differs
     auto start = world.truth;
     PoseVector<TypeParam::value> turned = PoseVector<TypeParam::value>::Zero();
     turned[TypeParam::value] = turn;

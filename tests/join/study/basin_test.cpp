@@ -29,7 +29,7 @@ class BasinTest : public ::testing::Test {
 };
 TYPED_TEST_SUITE(BasinTest, testing::Dimensions);
 
-/// The cells that `f` holds of.
+/// The cells for which `f` is true.
 template <typename F>
 std::vector<BasinCell> cells_where(const Basin& basin, F&& f) {
   std::vector<BasinCell> chosen;

@@ -70,7 +70,7 @@ TYPED_TEST(ComparisonOfASmallWorld, JoiningAloneIsCloseToTheBestAndFullSlamIsThe
   }
 }
 
-/// RMS of |t| of (X_i⁻¹ X_{i+s})⁻¹ (Y_i⁻¹ Y_{i+s}), by transformation matrices.
+/// The RMS of the translations of (b_i⁻¹ b_{i+s})⁻¹ (a_i⁻¹ a_{i+s}) for a span of s poses, by transformation matrices (m).
 template <int Dim>
 double relative_translation_rms(const std::vector<Pose<Dim>>& a, const std::vector<Pose<Dim>>& b, std::size_t span) {
   const auto matrix = [](const Pose<Dim>& pose) {
@@ -119,8 +119,8 @@ TYPED_TEST(ComparisonOfASmallWorld, ATruthOfSomePosesCountsThoseOnly) {
   const auto comparison = this->compared(&truth);
   const auto& known = *comparison->cases.front().polished.from_truth;
   EXPECT_EQ(known.absolute.translation.count, 7U);
-  EXPECT_EQ(known.spans[2].translation.count, 2U);  // of 5 steps
-  EXPECT_EQ(known.spans[3].translation.count, 0U);  // of 10
+  EXPECT_EQ(known.spans[2].translation.count, 2U);  // the span of 5 steps
+  EXPECT_EQ(known.spans[3].translation.count, 0U);  // the span of 10
 }
 
 TYPED_TEST(ComparisonOfASmallWorld, EveryCaseIsAnnouncedInItsTurn) {

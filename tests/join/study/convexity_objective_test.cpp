@@ -62,7 +62,8 @@ TYPED_TEST(UnwrappedObjectiveTest, IsQuadraticWhereAllRelationsAreInTheState) {
   }
 }
 
-/// Headings as numbers: turns are added to what was measured, the same at every state.
+/// Headings count as numbers: the whole turns that are added to a measured one are chosen at the reference, and the same at
+/// every state.
 TEST(UnwrappedObjective, TakesHeadingDifferencesAsTheyAre) {
   PosedWorld<2> world(testing::small_world<2>({.poses = 60, .features = 10, .closures = 6}).log);
   const Values<2> reference = world.state();
@@ -74,7 +75,7 @@ TEST(UnwrappedObjective, TakesHeadingDifferencesAsTheyAre) {
     Eigen::VectorXd r = testing::plain_residual<2>(o->measured, state.pose(base), state.pose(target));
     const double at_reference = testing::plain_residual<2>(o->measured, reference.pose(base), reference.pose(target))[2];
     const auto heading = [](const Values<2>& s, PoseIndex pose) { return s.pose(pose).rotation.angle(); };
-    // From the residual at the reference, the difference has changed by so much.
+    // The residual at the reference, less the change of the difference of headings since.
     r[2] = at_reference - (heading(state, target) - heading(state, base)) +
            (heading(reference, target) - heading(reference, base));
     beyond_a_half_turn += std::abs(r[2]) > std::numbers::pi;

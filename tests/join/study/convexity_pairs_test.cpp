@@ -52,7 +52,7 @@ TYPED_TEST(StateSamplerTest, FillsTheBoxOfTheComposedStart) {
   EXPECT_GT(drawn.volume(), 0.8 * box.volume());
 }
 
-/// The mean of rᵀWr over what the tree measures is its number of rows, times the spread squared.
+/// The mean of rᵀWr over the measurements of the tree is their number of rows times the squared spread.
 TYPED_TEST(StateSamplerTest, DriftsByTheStatedCovariances) {
   constexpr int kDim = TestFixture::kDim;
   for (const double poses_per_map : {1.0, 6.0}) {

@@ -13,7 +13,7 @@ namespace {
 using testing::DenseRelative;
 using testing::PosedWorld;
 
-/// The share by dense matrices: a row is linear where its Jacobian is the same at two states.
+/// The quadratic share by dense matrices; a row is linear if its Jacobian is the same at two states.
 QuadraticShare dense_share(const Eigen::MatrixXd& J, const Eigen::MatrixXd& J_elsewhere, const Eigen::MatrixXd& W) {
   std::vector<Eigen::Index> linear;
   for (Eigen::Index row = 0; row < J.rows(); ++row) {

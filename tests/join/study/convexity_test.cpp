@@ -77,7 +77,7 @@ TYPED_TEST(ConvexityTest, OneStepIsAllWhereEverythingIsQuadratic) {
   EXPECT_LT((*found)[0].quadratic.information, 0.9);
 }
 
-/// The maps of a log as if nothing else were known: over the poses they keep.
+/// The local maps of a log, over the poses that they keep, without anything else of it.
 template <int Dim>
 SubmapSet<Dim> submap_set(const Log<Dim>& log, const SplitOptions& options) {
   Split parts = split(log, options);

@@ -23,7 +23,7 @@ struct PosedWorld {
 
   const JoiningSystem<Dim>& system() { return problem; }
   const Values<Dim>& state() { return problem.estimate(); }
-  /// A state with every pose and feature moved by at most so much (m, rad), but for what is held.
+  /// A state with each coordinate moved by at most `radius` (m, rad), but for pose 0, which is held.
   Values<Dim> moved_by(double radius, unsigned seed = 5) {
     Random random(seed);
     Values<Dim> moved = state();
@@ -41,8 +41,8 @@ struct PosedWorld {
   JoiningSystem<Dim> problem;
 };
 
-/// A walk of which every relation is in the relative state: each pose is observed from the one before, twice, each feature from
-/// one pose. The second odometry differs in translation. Every third may be stored against its direction.
+/// A walk all relations of which are in the relative state: each pose is observed from the one before, twice, with another
+/// translation the second time, and each feature from one pose. Every third step may be stored against its direction.
 template <int Dim>
 Log<Dim> tree_world(bool reversed_odometry = false) {
   Random random(3);

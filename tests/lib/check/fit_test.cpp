@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// Of `count` observations of three rows each with normal errors `times` as large as stated.
+/// Residuals of `count` observations of three rows each, with normal errors `times` as large as stated.
 std::vector<WeighedResidual> normal_residuals(std::size_t count, double times, std::uint64_t seed = 1) {
   RandomStream random(seed, 0);
   std::vector<WeighedResidual> residuals;
@@ -58,7 +58,7 @@ TEST(Fit, SaysNothingOfErrorsThatAreNotFarFromStated) {
 
 TEST(Fit, CallsNothingAnOutlierThatItsCovarianceAllows) {
   auto residuals = normal_residuals(1000, 0.3);
-  residuals[17].chi2 = 15.0;  // far off among these, and nothing for three rows of a thousand
+  residuals[17].chi2 = 15.0;  // far from these, but common among a thousand observations of three rows
   EXPECT_EQ(kind_fit("closures", residuals, name).outliers.count, 0u);
 }
 

@@ -21,7 +21,7 @@ struct MeasuredEdge {
   PoseMatrix<Dim> information;
 };
 
-/// The names of what was found of two edges between poses 0 and 3, the second from 3 to 0 where it is `reversed`.
+/// The names of findings on two edges between poses 0 and 3, the second from 3 to 0 if it is `reversed`.
 template <int Dim>
 std::vector<std::string> found(const MeasuredEdge<Dim>& a, const MeasuredEdge<Dim>& b, bool reversed = false) {
   LogBuilder<Dim> builder("some.g2o");
@@ -60,7 +60,7 @@ TYPED_TEST(Repeats, TellCopiesFromSecondMeasurementsAndFromContradictions) {
 
 TYPED_TEST(Repeats, ContradictOnlyWhereChanceHardlyAllowsIt) {
   constexpr int Dim = TypeParam::value;
-  const PoseMatrix<Dim> W = 1e4 * PoseMatrix<Dim>::Identity();  // 1 cm each: the difference has 1.41 cm
+  const PoseMatrix<Dim> W = 1e4 * PoseMatrix<Dim>::Identity();  // 1 cm each, 1.41 cm of the difference
   const auto apart = [&](double sigmas) {
     Pose<Dim> other;
     other.translation[0] = sigmas * std::sqrt(2.0) * 0.01;
@@ -86,7 +86,7 @@ TYPED_TEST(Repeats, WithoutInformationContradictNothing) {
   constexpr int Dim = TypeParam::value;
   Random random;
   PoseMatrix<Dim> W = PoseMatrix<Dim>::Zero();
-  W(1, 1) = 1e6;  // Along y only.
+  W(1, 1) = 1e6;  // along y only
   Pose<Dim> measured = random.pose<Dim>();
   Pose<Dim> other = measured;
   other.translation[0] += 100.0;

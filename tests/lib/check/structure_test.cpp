@@ -50,7 +50,7 @@ TYPED_TEST(Structure, NamesPartsThatNothingTiesTogether) {
   EXPECT_THAT(finding_of(findings, "breaks").where.names, ElementsAre("pose 1 to pose 5"));
 }
 
-/// Two sessions of four poses each that see `shared` features both, and five of their own.
+/// Two sessions of four poses each, which both see the same `shared` features, and each five of its own.
 template <int Dim>
 Log<Dim> two_sessions(std::size_t shared) {
   LogBuilder<Dim> builder("some.g2o");

@@ -47,7 +47,7 @@ TEST(Units, OfLogsInRadiansAreFine) {
 
 TEST(Units, AreKnownByShortLoopsOfFeatures) {
   Log<2> log = world({.closures = 0});
-  log = with_headings(log, [](double angle) { return std::min(6.0, kDegrees * angle); });  // None beyond a full turn.
+  log = with_headings(log, [](double angle) { return std::min(6.0, kDegrees * angle); });  // none beyond a full turn
   EXPECT_THAT(warnings_of(log), Not(IsEmpty()));
   EXPECT_THAT(warnings_of(log), Each("degrees"));
 }
@@ -58,7 +58,7 @@ TEST(Units, AreKnownByTurnsBeyondAFullOne) {
 }
 
 TEST(Units, AreDoubtedFromMoreThanOneTurnInAHundredBeyondAFullOne) {
-  for (const int poses : {101, 100}) {  // thus 100 and 99 edges
+  for (const int poses : {101, 100}) {  // with 100 and 99 edges
     Log<2> log = world({.poses = poses, .features = 0, .closures = 0});
     ASSERT_EQ(log.edges().size(), static_cast<std::size_t>(poses - 1));
     log.graph.pose_factors[7].measured.rotation = Rotation<2>(7.0);
@@ -66,7 +66,7 @@ TEST(Units, AreDoubtedFromMoreThanOneTurnInAHundredBeyondAFullOne) {
   }
 }
 
-/// Steps that turn by 5 degrees, given as 5 radians; every feature is seen from a pose, and from the one so many steps later.
+/// Steps that turn by 5 degrees, given as 5 radians. Each feature is seen from a pose and from the one `steps` steps later.
 Log<2> seen_again_after(std::uint64_t steps, std::uint64_t poses = 60) {
   const Point<2> seen_first(3.0, 1.0);
   Point<2> seen_last = seen_first;
@@ -92,9 +92,9 @@ TEST(Units, AreJudgedByTenLoopsAtLeast) {
   EXPECT_THAT(warnings_of(seen_again_after(1, 10)), IsEmpty());
 }
 
-/// Steps whose turns are given as 5 radians, or as the angle given, then steps that hardly turn; a feature is seen from both
-/// ends of each. The first of its observations is this share of the way from where it would be with degrees to where it would
-/// be with radians; half of it where the step hardly turns.
+/// Steps that turn by `turn`, then steps that hardly turn. A feature is seen from both ends of each step: from its end at one
+/// place, from its start at the share `share` of the way from the place for an angle in degrees to that for radians; at half of
+/// the way if the step hardly turns.
 Log<2> seen_from_both_ends(std::uint64_t turns, std::uint64_t straight, double share, double turn = 5.0) {
   const Point<2> seen_last(3.0, 1.0);
   LogBuilder<2> builder("ends");
@@ -122,7 +122,8 @@ TEST(Units, AreThoseThatMissAThirdAsMuchAtMost) {
   EXPECT_THAT(warnings_of(seen_from_both_ends(60, 0, 0.3)), IsEmpty());
 }
 
-/// Every fourth edge turns so far, and the values so many times as far; between, edges hardly turn, and values less.
+/// A log of which every fourth edge turns by `turn`, and the values `times` as far; in between edges hardly turn, and values
+/// even less.
 Log<2> with_values(double turn, double times) {
   LogBuilder<2> builder("values");
   double heading = 0.0;

@@ -60,14 +60,14 @@ TEST(WeakLinks, AreConfirmedByAFeatureSeenFromBothSides) {
 }
 
 TEST(WeakLinks, AreFeaturesWithoutWhichPosesFallApart) {
-  // Two rounds without odometry between 2 and 3: feature 7 alone is seen from both; 8 is seen once.
+  // Two rounds without odometry between them: feature 7 alone is seen from both; feature 8 is seen once.
   const Log<2> log = log_of({{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}}, {{1, 7}, {2, 7}, {3, 7}, {4, 7}, {4, 8}});
   const WeakLinks links = weak_links(log);
   EXPECT_THAT(links.features, ::testing::ElementsAre(vertices_of(log).feature(0)));
   EXPECT_TRUE(links.chains.empty());
 }
 
-/// Whether without this edge there are two parts, and a cycle in either: as many different edges as vertices, or more.
+/// True if the edge is all that connects two parts with a cycle in each (at least as many edges as vertices).
 bool parts_cycles(const std::set<std::pair<std::uint64_t, std::uint64_t>>& edges,
                   const std::pair<std::uint64_t, std::uint64_t>& lone) {
   constexpr std::size_t kPoses = 30;

@@ -12,7 +12,8 @@ using testing::Random;
 
 TEST(Euler, TurnsAboutTheFixedAxesInTheOrderRollPitchYaw) {
   const double quarter = std::numbers::pi / 2.0;
-  // x rolled stays, pitched points down, which a yaw does not move; y rolled points up, pitched forward, yawed to the left.
+  // The axis x: roll leaves it, pitch turns it down, yaw leaves it there. The axis y: roll turns it up, pitch forward, yaw
+  // left.
   const Matrix<3> R = rotation_from_euler(quarter, quarter, quarter).matrix();
   EXPECT_LT((R.col(0) + Vector<3>::UnitZ()).norm(), 1e-15);
   EXPECT_LT((R.col(1) - Vector<3>::UnitY()).norm(), 1e-15);

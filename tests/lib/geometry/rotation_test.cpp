@@ -24,7 +24,7 @@ Matrix<3> log_curvature_by_differences(const RotationVector<3>& v, const Rotatio
 
 TEST(RotationInSpace, LogCurvatureIsThatOfCentralDifferences) {
   testing::Random random;
-  const double threshold = std::sqrt(1e-3);  // of its series
+  const double threshold = std::sqrt(1e-3);  // below which log_curvature() takes a series
   for (const double angle : {0.0, 1e-4, 0.999 * threshold, 1.001 * threshold, 0.3, 1.5, 3.0, std::numbers::pi - 1e-2}) {
     for (int k = 0; k < 5; ++k) {
       const RotationVector<3> v = angle * random.vector<3>().normalized();

@@ -19,8 +19,8 @@ using ::testing::HasSubstr;
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr double kQuarter = std::numbers::pi / 2.0;
 
-/// Poses 0 to 3, a second apart; each step is 2 m ahead, then a quarter turn to the left. The last step is stored backwards; no
-/// odometry leads to pose 4, which sees a feature with pose 3.
+/// A log of poses 0 to 4, a second apart. Steps go 2 m ahead, then turn left by a quarter; the last one, from pose 2 to pose 3,
+/// is stored backwards. No odometry leads to pose 4, which sees the same feature as pose 3.
 Log<2> log_of(std::uint32_t session = 0, bool has_stamps = true) {
   LogBuilder<2> builder("log.g2o");
   const Pose<2> step{Point<2>(2.0, 0.0), Rotation<2>(kQuarter)};
@@ -84,15 +84,15 @@ TEST(AttachFixes, TheFirstPoseMayHaveAFixOfItsOwn) {
   EXPECT_EQ(log.pose_priors()[0].target, PoseIndex(0));
 }
 
-/// Pose 2 has the time of pose 1, and the other way round: the pose after pose 0 is the second one from it.
 TEST(AttachFixes, OnlyOdometryBetweenNeighboursInTimeLeadsToAFix) {
+  // Times by which pose 2 comes next after pose 0, though odometry leads from pose 0 to pose 1.
   Log<2> log = log_of();
   std::swap(log.stamps_ns[PoseIndex(1)], log.stamps_ns[PoseIndex(2)]);
   EXPECT_EQ(attach_fixes(fixes_of({fix_at(0.5), fix_at(1.0)}), {}, log).value().left_out, 1);
 }
 
-/// Far east of the origin, north is another direction than there: meridians meet at the pole.
 TEST(AttachFixes, TheDeviationsOfAFixAreThoseWhereItWasMade) {
+  // A place far east of the origin, where north is another direction: meridians converge.
   Log<2> log = log_of();
   GpsFix far = fix_at(3.0);
   far.place.longitude += 2.0;
@@ -116,6 +116,13 @@ TEST(AttachFixes, AFixThatNoPoseIsNearIsCounted) {
 TEST(AttachFixes, AnyTimeApartMayBeAllowed) {
   Log<2> log = log_of();
   EXPECT_EQ(attach_fixes(fixes_of({fix_at(1.5)}), {.most_apart = 1e12}, log).value().left_out, 0);
+}
+
+TEST(AttachFixes, TheTimeApartIsTakenToTheNanosecond) {
+  Log<2> log = log_of();
+  GpsFix fix = fix_at(1.0);
+  fix.when = std::int64_t{1'000'000'015};
+  EXPECT_EQ(attach_fixes(fixes_of({fix}), {.most_apart = 15e-9}, log).value().left_out, 0) << "1e9 * 15e-9 is less than 15";
 }
 
 TEST(AttachFixes, TheFixesReleaseWhatIsFixed) {

@@ -33,7 +33,7 @@ TEST(Graph, ALoopAndARepeatedEdgeTieNothingNew) {
 }
 
 TEST(SpanningForest, TakesTheEdgesOfLowestNumber) {
-  // A square with a diagonal: the last edge of the square and the diagonal are left out.
+  // A square with a diagonal, of which the last edge of the square and the diagonal are left out.
   const auto reached = spanning_forest(4, {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}}, {0});
   EXPECT_THAT(vertices_of(reached), ElementsAre(0, 1, 2, 3));
   EXPECT_THAT(edges_of(reached), ElementsAre(std::nullopt, 0, 1, 2));

@@ -28,14 +28,14 @@ TEST(Paths, FollowEachOtherAsTheEdgesMentionThem) {
 }
 
 TEST(Paths, AreMadeOfTheFirstEdges) {
-  // As a robot drives: closures 2 to 0 and 4 to 1 come behind what leads to them.
+  // The edges of a drive: closures 2 to 0 and 4 to 1 come after the odometry that leads to them.
   const PathCover cover = cover_by_paths(5, {{0, 1}, {1, 2}, {2, 0}, {2, 3}, {3, 4}, {4, 1}});
   EXPECT_THAT(cover.order, ElementsAre(0, 1, 2, 3, 4));
   EXPECT_EQ(cover.edges, 4u);
 }
 
 TEST(Paths, AreMadeOfEdgesWithFewOthersWhereThatLeavesFewer) {
-  // In the order of the file 1 to 3 comes first, and leaves 2, 4 and 5 behind.
+  // Edges taken in their own order, from 1 to 3 on, make the path 2, 3, 1, 4, 5, and leave 0 out.
   const std::vector<Edge> edges = {{1, 3}, {1, 4}, {0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}};
   const PathCover cover = cover_by_paths(6, edges);
   EXPECT_EQ(cover.edges, 5u);

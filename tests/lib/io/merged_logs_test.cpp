@@ -4,7 +4,10 @@
 
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/merged_logs.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <string>
+#include <tests/support/error_of.hpp>
+#include <vector>
 
 namespace mapjoin {
 namespace {
@@ -119,6 +122,38 @@ TEST(MergedLogs, OfDifferentWeightsAreRefused) {
   EXPECT_EQ(merged<2>({identity, identity})->conventions.covariance, Covariance::kIdentity);
   EXPECT_EQ(merged<2>({identity, log_of("a", edge(0, 1))}).error().message,
             "i has weights of --covariance identity and a of --covariance original: build both with the same");
+}
+
+TEST(MergedLogs, AreNoCopiesIfAnyNumberDiffers) {
+  const auto message = [](const auto& parts) { return testing::error_of(check_no_copies(parts, "leave one out")); };
+  const std::string text = edge(0, 1) + edge(0, 1) + "EDGE_SE2_XY 0 7 2 0 1 0 1\n";
+  const auto a = log_of("a", text);
+  auto copy = log_of("copy", text);
+  copy.initial.poses.resize(2);
+  EXPECT_EQ(
+      message(std::vector{a, log_of("b", edge(0, 1)), copy}),
+      "copy has the same poses, features and measurements as a, number by number, which would count twice: leave one out");
+  auto other = a;
+  other.graph.feature_factors[0].measured[0] += 1e-15;
+  EXPECT_EQ(message(std::vector{a, other}), "");
+  const auto robot = log_of("robot", edge(0, 1));
+  EXPECT_EQ(message(std::vector{robot, robot}), "") << "of steps alone, which may be alike";
+}
+
+TEST(MergedLogs, SetsOfMapsAreCopiesToo) {
+  const auto message = [](const auto& parts) { return testing::error_of(check_no_copies(parts, "leave one out")); };
+  SubmapSet<2> set;
+  set.source = "maps";
+  set.poses = {{0, 0}, {0, 1}, {0, 2}};
+  set.features = {{7}};
+  const Eigen::MatrixXd W = Eigen::MatrixXd::Identity(5, 5);
+  for (const PoseIndex base : {PoseIndex(0), PoseIndex(1)}) {
+    set.graph.submaps.push_back({base, {base + 1}, {0}, {Pose<2>{}}, {Point<2>(1.0, 2.0)}, W});
+  }
+  SubmapSet<2> other = set;
+  EXPECT_THAT(message(std::vector{set, other}), HasSubstr("maps has the same poses, features and measurements as maps"));
+  other.graph.submaps[1].information(0, 0) = 2.0;
+  EXPECT_EQ(message(std::vector{set, other}), "");
 }
 
 TEST(MergedLogs, CountWhatEachLeftOut) {

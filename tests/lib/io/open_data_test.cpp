@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The public logs through the front door: counts as their README gives them, and every form of a log against the others.
+// Public logs by open_log(): counts as their README gives them, and each form of a log against the others.
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/open.hpp>
@@ -27,7 +27,8 @@ void expect_counts(const Log<Dim>& log, std::size_t poses, std::size_t features,
   EXPECT_EQ(log.observations().size(), observations);
 }
 
-/// The same poses, features (up to `first_feature` in their keys), measurements and informations up to relative `precision`.
+/// Expects the same poses, the same features (their keys in `b` larger by `first_feature`), and the same odometry and
+/// observations up to the relative `precision`.
 void expect_same(const Log<2>& a, const Log<2>& b, double precision, std::uint64_t first_feature = 0) {
   ASSERT_EQ(a.poses, b.poses);
   ASSERT_EQ(a.features.size(), b.features.size());
@@ -90,7 +91,7 @@ TEST(OpenLogData, ToriAreReadFromIsam) {
 }
 
 TEST(OpenLogData, SphereInIsamsEulerAnglesClosesOnItself) {
-  // The ground truth has edges without noise: composing odometry must bring every closure to its measured value.
+  // The edges of the ground truth have no noise: composed odometry must agree with every closure.
   const auto log = open<3>("pose-graphs-3d/sphere2500_groundtruth.txt.gz");
   Table<PoseIndex, Pose<3>> poses(log.poses.size());
   for (const auto& edge : log.odometry()) {

@@ -22,7 +22,7 @@ class OpenLogTest : public ::testing::Test {
   testing::TemporaryFolder folder;
 };
 
-TEST_F(OpenLogTest, KnowsEveryTextFormatByItsContentPlainAndPacked) {
+TEST_F(OpenLogTest, KnowsTextFormatsByTheirContentPlainAndPacked) {
   for (const std::string content :
        {"# a comment\n\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n", "FIX 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n",
         "EDGE2 0 1 1 0 0 1 0 0 1 0 1\n", "ODOM 0 1 1 0 0 1 0 0 1 0 1\n", "STEP image 1 0 0 1 0 1 0 0 1\n"}) {
@@ -51,7 +51,7 @@ TEST_F(OpenLogTest, RefusesNoFilesAtAll) {
 }
 
 TEST_F(OpenLogTest, ReadsAMatFileFromAPipe) {
-  // An empty MAT file, which has neither log: that much can be said only of what was read.
+  // A MAT file without variables; the error shows that it was read.
   const std::string header = std::string("MATLAB 5.0 MAT-file").append(105, ' ') + std::string("\0\1IM", 4);
   const auto pipe = folder.path() / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);

@@ -16,8 +16,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A run over two sessions, of which the first does not drive in the order of its ids, and a feature whose key is that of a
-/// pose, so that a g2o file has other names for them.
+/// A run over two sessions, the first of which does not drive in the order of its ids, and a feature with the key of a pose: a
+/// g2o file has other names for them.
 class RunFolder : public ::testing::Test {
  protected:
   RunFolder() {
@@ -69,6 +69,16 @@ TEST_F(RunFolder, RefusesTablesOfAnotherMap) {
   map_.poses[PoseIndex(2)].translation.x() += 0.5;
   ASSERT_TRUE(write_csv(map_, folder_.path() / "poses.csv", folder_.path() / "features.csv"));
   EXPECT_THAT(testing::error_of(open_log(folder_.path())), HasSubstr("poses.csv: is not of the map beside it; remove it"));
+}
+
+TEST_F(RunFolder, ReadsItsTableOfPosesAsAnyOther) {
+  const auto poses = folder_.path() / "poses.csv";
+  folder_.file("poses.csv", "pose,session,stamp_ns,x,y,phi\n9,0,50,0,0,0\n4,0,60,1,0,0\n10,1,10,2,0,0\n11,1,20,3,0,0\n");
+  EXPECT_EQ(read().poses, log_.poses) << "whatever the order of its columns";
+  EXPECT_EQ(read().stamps_ns, log_.stamps_ns);
+  folder_.file("poses.csv", "pose,x,y\n9,0,0\n");
+  EXPECT_THAT(testing::error_of(open_log(folder_.path())),
+              HasSubstr(poses.string() + ": its first line does not name the columns pose and x,y,phi"));
 }
 
 TEST_F(RunFolder, WithLocalMapsIsAFolderOfThese) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Public multi-robot sets from their files, one a robot.
+// Public multi-robot sets, read from one file for each robot.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -15,7 +15,7 @@ template <typename D>
 class Chi2Test : public ::testing::Test {};
 TYPED_TEST_SUITE(Chi2Test, testing::Dimensions);
 
-/// Four poses and two features with one observation or more of every kind, far from consistent.
+/// A log of four poses and two features with at least one observation of every kind, far from consistent.
 template <int Dim>
 Log<Dim> random_log(Random& random) {
   const auto edge = [&](PoseIndex base, PoseIndex target) {
@@ -41,7 +41,7 @@ Values<Dim> random_values(const Log<Dim>& log, Random& random) {
   return values;
 }
 
-TYPED_TEST(Chi2Test, EqualsTheReferenceOptimisersCostOfEveryKind) {
+TYPED_TEST(Chi2Test, EqualsTheReferenceOptimisersCostOverAllKinds) {
   constexpr int kDim = TypeParam::value;
   Random random;
   for (int i = 0; i < 10; ++i) {
@@ -71,7 +71,7 @@ TYPED_TEST(Chi2Test, DegreesOfFreedomCountMeasuredRowsOnly) {
   EXPECT_EQ(degrees_of_freedom(log, 1), rows - unknowns + kPoseDof<kDim>);
   EXPECT_EQ(degrees_of_freedom(log), degrees_of_freedom(log, log.graph.fixed.size())) << "priors hold it";
 
-  // A position from GPS says nothing of the rotation, and a bearing has one row less than the point has coordinates.
+  // A position without rotation, as from GPS, and a bearing, which measures one coordinate of a point less.
   auto& gps = log.graph.pose_factors.back().information;
   gps.template rightCols<kRotationDof<kDim>>().setZero();
   gps.template bottomRows<kRotationDof<kDim>>().setZero();

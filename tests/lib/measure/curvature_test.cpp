@@ -43,12 +43,12 @@ TEST(Curvature, OfADomeViolatesEverywhere) {
   const auto figures = figures_of([](double x) { return 2.0 + x * (1.0 - x); });
   EXPECT_EQ(figures.share_violated(), 1.0);
   EXPECT_EQ(figures.share_negative(), 1.0);
-  EXPECT_NEAR(figures.largest_violation, 0.125, 1e-12);  // 1/4 above a chord at 2
+  EXPECT_NEAR(figures.largest_violation, 0.125, 1e-12);  // 1/4 above a chord of height 2
 }
 
 TEST(Curvature, OfACosineIsNegativeWhereTheCosineIsPositive) {
   const auto figures = figures_of([](double x) { return 10.0 + std::cos(2.0 * std::numbers::pi * x); });
-  EXPECT_EQ(figures.violations, 0u);  // it never rises above its ends
+  EXPECT_EQ(figures.violations, 0u);  // a cosine that begins and ends at its maximum never exceeds the chord
   EXPECT_NEAR(figures.share_negative(), 0.5, 0.02);
 }
 
@@ -56,7 +56,7 @@ TEST(Curvature, AllowsForRounding) {
   const auto rough = [](double noise) { return figures_of([=](double x) { return 1.0 + x + noise * std::sin(1e4 * x); }); };
   EXPECT_EQ(rough(1e-12).negative, 0u);
   EXPECT_GT(rough(1e-8).negative, 20u);
-  // A dent is told from rounding from 1e-10 of the largest value on.
+  // A second difference below -1e-10 of the largest value is told from rounding; here it is twice the depth.
   for (const auto& [depth, is_told] : {std::pair{0.4e-10, false}, {0.6e-10, true}}) {
     EXPECT_EQ(curvature_figures({1.0, 1.0 + depth, 1.0}).negative, is_told ? 1u : 0u) << depth;
   }

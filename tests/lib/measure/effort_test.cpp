@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::size_t kBytes = 64'000'000;
 
-/// Memory that was really written to.
+/// Memory that was written to, so that the system has provided it.
 std::vector<char> written() {
   std::vector<char> bytes(kBytes);
   std::memset(bytes.data(), 1, bytes.size());
   return bytes;
 }
 
-/// CPU time of the calling thread (s).
+/// The CPU time of the calling thread (s).
 double cpu_seconds_here() {
   ::timespec time{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

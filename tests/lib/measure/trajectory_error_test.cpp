@@ -73,8 +73,8 @@ TYPED_TEST(TrajectoryErrorTest, ErrorsDoNotDependOnTheFrameOfTheEstimate) {
 
 TYPED_TEST(TrajectoryErrorTest, AbsoluteErrorOfOnePoseAsideIsSharedOut) {
   constexpr int kDim = TestFixture::kDim;
-  // A line of 10 poses, then the same with the last pose d off the line's direction: alignment may only reduce the error
-  // below d/sqrt(10), and cannot remove it.
+  // A line of 10 poses, and the same with the last pose d = 0.5 m further along it. Alignment shifts all by d/10: an rms of
+  // d/√10 becomes d √(0.1 · 0.9).
   std::vector<Pose<kDim>> truth(10);
   for (std::size_t i = 0; i < truth.size(); ++i) truth[i].translation[0] = static_cast<double>(i);
   auto estimate = truth;
@@ -87,7 +87,7 @@ TYPED_TEST(TrajectoryErrorTest, AbsoluteErrorOfOnePoseAsideIsSharedOut) {
 
 TYPED_TEST(TrajectoryErrorTest, RelativeErrorIsTheDriftOverTheSpan) {
   constexpr int kDim = TestFixture::kDim;
-  // Straight on by 1 m a step, estimated 1 % too long and turning 0.01 rad a step where it stands.
+  // Steps of 1 m straight ahead, estimated 1 % too long; later also headings that turn by 0.01 rad per step.
   std::vector<Pose<kDim>> truth(30), estimate(30);
   RotationVector<kDim> turn = RotationVector<kDim>::Zero();
   turn[0] = 0.01;
@@ -123,7 +123,7 @@ TYPED_TEST(TrajectoryErrorTest, MapsAreComparedByIdAndWhatOnlyOneHoldsIsCounted)
   EXPECT_EQ(difference.unmatched, 4u);
 }
 
-/// A homogeneous matrix: evo's own representation, with which its definitions are computed here independently.
+/// The homogeneous matrix of a pose: evo's representation, in which its definitions are computed here independently.
 template <int Dim>
 Eigen::MatrixXd matrix_of(const Pose<Dim>& pose) {
   Eigen::MatrixXd T = Eigen::MatrixXd::Identity(4, 4);
@@ -136,7 +136,7 @@ double angle_of(const Eigen::MatrixXd& T) {
   return std::atan2(sine, T.topLeftCorner(3, 3).trace() - 1.0);
 }
 
-/// evo's statistics, as NumPy computes them.
+/// Expects the statistics of evo, as NumPy computes them.
 void expect_as_evo(const ErrorSummary& summary, std::vector<double> errors) {
   std::ranges::sort(errors);
   const Eigen::Map<const Eigen::ArrayXd> e(errors.data(), static_cast<Eigen::Index>(errors.size()));
@@ -159,7 +159,7 @@ TYPED_TEST(TrajectoryErrorTest, AbsoluteErrorsAreEvos) {
       Eigen::MatrixXd motion = Eigen::MatrixXd::Identity(4, 4);
       if (alignment == TrajectoryAlignment::kOrigin) motion = matrix_of(truth[0]) * matrix_of(estimate[0]).inverse();
       if (alignment == TrajectoryAlignment::kRigid)
-        motion = matrix_of(found.alignment);  // See AlignmentIsALeastSquaresOptimum.
+        motion = matrix_of(found.alignment);  // tested by AlignmentIsALeastSquaresOptimum
       std::vector<double> translations;
       std::vector<double> rotations;
       for (std::size_t i = 0; i < poses; ++i) {
@@ -173,7 +173,7 @@ TYPED_TEST(TrajectoryErrorTest, AbsoluteErrorsAreEvos) {
   }
 }
 
-/// evo's filter_pairs_by_path, with its tolerance of a tenth.
+/// The pairs by filter_pairs_by_path() of evo, with its tolerance of a tenth.
 template <int Dim>
 PosePairs pairs_as_evo(const std::vector<Pose<Dim>>& poses, double delta, SpanPairs which) {
   PosePairs pairs;

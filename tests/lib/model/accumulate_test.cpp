@@ -13,7 +13,7 @@ namespace {
 
 using testing::Random;
 
-/// Collects blocks into a dense system whose slots have the given widths.
+/// A sink that collects blocks into a dense system whose slots have the given widths.
 class DenseSink {
  public:
   explicit DenseSink(std::vector<Eigen::Index> widths) : begin_(widths.size() + 1, 0) {
@@ -42,7 +42,7 @@ class DenseSink {
   std::vector<Eigen::Index> begin_;
 };
 
-/// JᵀWJ, JᵀWr and rᵀWr against what `accumulate` gave.
+/// Expects JᵀWJ, JᵀWr and rᵀWr in the sink and in chi2.
 void expect_dense(const DenseSink& sink, double chi2, const Eigen::MatrixXd& J, const Eigen::MatrixXd& W,
                   const Eigen::VectorXd& r) {
   const Eigen::MatrixXd H = J.transpose() * W * J;
@@ -129,7 +129,7 @@ TYPED_TEST(AccumulateTest, ALocalMapGivesItsDenseNormalEquations) {
     };
     for (int k = 0; k < poses; ++k) add(linear.poses.emplace_back(this->template random_target<kDof>()));
     for (int k = 0; k < features; ++k) add(linear.features.emplace_back(this->template random_target<kDim>()));
-    Eigen::MatrixXd A(rows, rows - 1);  // W has a null space, as that of a map of bearings would
+    Eigen::MatrixXd A(rows, rows - 1);  // W gets a null space, as that of a map of bearings has
     for (auto& entry : A.reshaped()) entry = this->random.uniform(-1.0, 1.0);
     LocalMap<kDim> map;
     map.poses.resize(static_cast<std::size_t>(poses));
@@ -142,7 +142,7 @@ TYPED_TEST(AccumulateTest, ALocalMapGivesItsDenseNormalEquations) {
   }
 }
 
-/// ½ ∂²f/∂δ² at δ = 0 by central differences.
+/// The matrix ½ ∂²f/∂δ² at δ = 0, by central differences.
 template <typename F>
 Eigen::MatrixXd half_of_second_derivatives(F&& f, Eigen::Index size) {
   constexpr double kStep = 1e-4;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A log that is built edge by edge, each of which can be told from the others.
+// A log that is built edge by edge, with edges that can be told from each other.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ class BuiltLogTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// An edge that can be told from the others by `mark`, its first coordinate.
+  /// Adds an edge that can be told from the others by `mark`, its first coordinate.
   void edge(PoseId base, PoseId target, double mark = 0.0) {
     Pose<kDim> measured;
     measured.translation[0] = mark;
@@ -31,7 +31,7 @@ class BuiltLogTest : public ::testing::Test {
   LogBuilder<kDim> builder{"some.log"};
 };
 
-/// Of observations, in their order.
+/// The marks of observations, in their order.
 template <typename Observations>
 std::vector<double> marks(const Observations& observations) {
   std::vector<double> result;

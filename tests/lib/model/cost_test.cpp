@@ -19,7 +19,7 @@ TEST(CostTest, WeighsTheHeadingDifferenceTheShortWayRound) {
   EXPECT_NEAR(cost(observation, Pose<2>{}, target), 100.0 * difference * difference, 1e-12);
 }
 
-/// Takes the gradient with respect to the target alone.
+/// A sink that takes -½ of the gradient with respect to the target alone.
 template <int Dof>
 struct TargetGradient {
   template <typename Block>

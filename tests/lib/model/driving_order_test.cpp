@@ -17,7 +17,7 @@ class DrivingOrderTest : public testing::BuiltLogTest<D> {};
 TYPED_TEST_SUITE(DrivingOrderTest, testing::Dimensions);
 
 TYPED_TEST(DrivingOrderTest, WhereIdsSayNothingOfTheOrderEdgesDo) {
-  // Driven as 7, 2, 9, 4, 0, 5; closures 9 to 5 and 5 to 7.
+  // Poses driven as 7, 2, 9, 4, 0, 5, with closures 9 to 5 and 5 to 7.
   for (const auto& [base, target] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{{7, 2}, {2, 9}, {9, 4}, {4, 0}}) {
     this->edge({0, base}, {0, target});
   }
@@ -45,7 +45,7 @@ TYPED_TEST(DrivingOrderTest, WhereIdsSayNothingOfTheOrderEdgesDo) {
 }
 
 TYPED_TEST(DrivingOrderTest, IdsTellTheOrderWhereEdgesDoNotTellItBetter) {
-  // The lines of two drives that a closure ties, shuffled.
+  // Edges of two drives and of a closure between them, shuffled.
   for (const auto& [base, target] :
        std::vector<std::pair<std::uint64_t, std::uint64_t>>{{3, 4}, {0, 1}, {4, 5}, {1, 2}, {5, 0}}) {
     this->edge({0, base}, {0, target});
@@ -57,7 +57,7 @@ TYPED_TEST(DrivingOrderTest, IdsTellTheOrderWhereEdgesDoNotTellItBetter) {
 }
 
 TYPED_TEST(DrivingOrderTest, EdgesTellTheOrderWhereIdsAreSwapped) {
-  // Driven as 0, 1, 3, 2, 4, 5, as by sensors that are out of step; 6 stands by itself.
+  // Poses driven as 0, 1, 3, 2, 4, 5, as if sensors were out of step; pose 6 is on no drive.
   double mark = 0.0;
   for (const auto& [base, target] :
        std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 3}, {6, 1}, {3, 2}, {0, 2}, {2, 4}, {4, 5}, {3, 5}}) {
@@ -85,7 +85,7 @@ TYPED_TEST(DrivingOrderTest, IdsTellTheOrderOfPosesThatSeeNewMarkers) {
 }
 
 TYPED_TEST(DrivingOrderTest, EdgesTellTheOrderOfSessionsThatAreMixed) {
-  // Both driven as 0, 1, 2, 4, 3, 5.
+  // Two sessions, both driven as 0, 1, 2, 4, 3, 5.
   for (const auto& [base, target] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 2}, {2, 4}, {4, 3}, {3, 5}}) {
     for (const std::uint32_t session : {1u, 0u}) this->edge({session, base}, {session, target});
   }

@@ -4,11 +4,14 @@
 
 #include <limits>
 #include <mapjoin/model/information.hpp>
+#include <string>
 #include <tests/support/random.hpp>
+#include <tuple>
 
 namespace mapjoin {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 template <typename S>
@@ -16,7 +19,7 @@ class InformationTest : public ::testing::Test {
  protected:
   static constexpr int kSize = S::value;
 
-  /// A symmetric matrix with the eigenvalues `smallest`, 1, 2, ... in the directions of the axes mirrored at a random plane.
+  /// A symmetric matrix with the eigenvalues `smallest`, 1, 2, ... along the axes mirrored at a random plane.
   Matrix<kSize> with_smallest_eigenvalue(double smallest) {
     const Vector<kSize> normal = random.template vector<kSize>().normalized();
     const Matrix<kSize> Q = Matrix<kSize>::Identity() - 2.0 * normal * normal.transpose();
@@ -32,7 +35,7 @@ TYPED_TEST_SUITE(InformationTest, Sizes);
 
 TYPED_TEST(InformationTest, PassesDefiniteAndSemidefiniteMatricesUnchanged) {
   InformationCheck check(false);
-  for (const double smallest : {0.5, 0.0, -1e-10}) {
+  for (const double smallest : {0.5, 0.0, -1e-14}) {
     auto W = this->with_smallest_eigenvalue(smallest);
     const auto before = W;
     EXPECT_EQ(check.fault(W), std::nullopt) << smallest;
@@ -51,8 +54,44 @@ TYPED_TEST(InformationTest, RefusesAnIndefiniteMatrixOrRepairsAndCountsIt) {
   EXPECT_EQ(check.repairs().indefinite, 1);
   EXPECT_EQ(check.fault(W), std::nullopt);
   EXPECT_EQ(check.repairs().indefinite, 1) << "a repaired matrix passes";
-  // The nearest semidefinite matrix is away by the clipped eigenvalue.
+  // The nearest semidefinite matrix differs by the clipped eigenvalue.
   EXPECT_NEAR((W - indefinite).norm(), 1e-3, 1e-12);
+}
+
+/// `block` beside an entry of 1e9, as planar logs in space have it for height, roll and pitch.
+Matrix<3> beside_a_large_entry(const Matrix<2>& block) {
+  Matrix<3> W = Matrix<3>::Zero();
+  W.topLeftCorner<2, 2>() = block;
+  W(2, 2) = 1e9;
+  return W;
+}
+
+TEST(InformationCheck, RefusesAnIndefiniteBlockBesideAMuchLargerEntryOrRepairsIt) {
+  Matrix<2> block;
+  for (const auto& [first, across, smallest] : {std::tuple(1.0, 1.9, "-0.9"), {0.0, 0.5, "-0.207"}, {-0.1, 0.0, "-0.1"}}) {
+    block << first, across, across, 1.0;
+    const Matrix<3> indefinite = beside_a_large_entry(block);
+    auto W = indefinite;
+    EXPECT_THAT(InformationCheck(false).fault(W).value_or(""),
+                AllOf(HasSubstr(std::string("is indefinite (eigenvalues from ") + smallest), HasSubstr(" to 1e+09)")));
+    InformationCheck check(true);
+    EXPECT_EQ(check.fault(W), std::nullopt);
+    EXPECT_EQ(check.fault(W), std::nullopt);
+    EXPECT_EQ(check.repairs().indefinite, 1) << "a repaired matrix passes";
+    EXPECT_LT((W - indefinite).norm(), 1.0);
+  }
+}
+
+TEST(InformationCheck, PassesRoundOffOfTheLargestEntryInRowsThatAreNotMeasured) {
+  Matrix<2> block;
+  block << -1e-6, 1e-6, 1e-6, 0.0;
+  auto W = beside_a_large_entry(block);
+  EXPECT_EQ(InformationCheck(false).fault(W), std::nullopt);
+}
+
+TEST(InformationCheck, PassesASingularBlockBesideAMuchLargerEntry) {
+  auto W = beside_a_large_entry(Matrix<2>::Ones());
+  EXPECT_EQ(InformationCheck(false).fault(W), std::nullopt);
 }
 
 TYPED_TEST(InformationTest, RefusesANegativeMatrix) {
@@ -98,7 +137,7 @@ TYPED_TEST(InformationTest, RefusesMoreAsymmetryOrRepairsIt) {
 }
 
 TYPED_TEST(InformationTest, LiftsACovarianceThatIsNotDefiniteWhereItsVariancesArePositive) {
-  // Metres and radians: the units of a row do not matter.
+  // Rows in units that differ by a million, which must not matter.
   const Vector<TestFixture::kSize> units = Vector<TestFixture::kSize>::LinSpaced(1e-3, 1e3);
   const Matrix<TestFixture::kSize> singular = units.asDiagonal() * Matrix<TestFixture::kSize>::Ones() * units.asDiagonal();
   auto P = singular;
@@ -107,7 +146,7 @@ TYPED_TEST(InformationTest, LiftsACovarianceThatIsNotDefiniteWhereItsVariancesAr
   InformationCheck check(true);
   EXPECT_EQ(check.invert(P), std::nullopt);
   EXPECT_EQ(check.repairs().indefinite, 1);
-  // In the direction that the singular covariance knows nothing of, the certainty is finite; along it, what it was.
+  // The information along the one direction of the singular covariance is what it was.
   const Vector<TestFixture::kSize> along = units;
   EXPECT_NEAR(along.dot(P * along), 1.0, 1e-6);
   Matrix<TestFixture::kSize> negative = -Matrix<TestFixture::kSize>::Identity();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Priors of what stands at the end of a lever on a pose: a satellite receiver's antenna.
+// Priors of the end of a lever on a pose, such as the antenna of a satellite receiver.
 #include <gtest/gtest.h>
 
 #include <mapjoin/model/accumulate.hpp>
@@ -17,7 +17,7 @@ class Lever : public ::testing::Test {
   static constexpr int kDim = D::value;
   static constexpr int kDof = kPoseDof<kDim>;
 
-  /// A prior of all that a pose is, or of the position alone.
+  /// A prior of the position, and of the rotation if `of_rotation`, with a lever.
   PoseFactor<kDim> prior(bool of_rotation) {
     PoseFactor<kDim> prior{kWorld, 0, retract(pose, PoseVector<kDim>(random.vector<kDof>(0.3))), random.information<kDof>()};
     if (!of_rotation) {
@@ -30,7 +30,7 @@ class Lever : public ::testing::Test {
   double cost_after(const PoseFactor<kDim>& factor, const PoseVector<kDim>& step) const {
     return cost(factor, Pose<kDim>{}, retract(pose, step));
   }
-  /// H and g of the factor at the pose.
+  /// The H and g of the factor at the pose.
   std::pair<PoseMatrix<kDim>, PoseVector<kDim>> normal_equations(const PoseFactor<kDim>& factor) const {
     Sink sink;
     accumulate(linearise(factor, Pose<kDim>{}, pose), sink);

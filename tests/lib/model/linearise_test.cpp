@@ -24,12 +24,12 @@ class LineariseTest : public ::testing::Test {
   Rotation<kDim> turn(double angle) {
     return Rotation<kDim>::exp(angle * this->random.template vector<kRotationDof<kDim>>().normalized());
   }
-  /// What relates `base` to `target`, with its rotation off by `angle`.
+  /// The pose of `target` in the frame of `base`, with a random error of its translation and one of `angle` of its rotation.
   Pose<kDim> measured(const Pose<kDim>& base, const Pose<kDim>& target, double angle) {
     const Pose<kDim> base_target = between(base, target);
     return {base_target.translation + random.vector<kDim>(), base_target.rotation * turn(angle)};
   }
-  /// ∂H/∂δ of the residual X̂ - H, by central differences.
+  /// Expects the Jacobians ∂H/∂δ of the residual X̂ - H to be central differences.
   template <typename Measured, typename Target>
   void expect_jacobians(const Measured& measured, const Pose<kDim>& base, const Target& target, double tolerance) {
     const auto linear = linearise<kDim>(measured, base, target);

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <limits>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/lib/model/built_log_fixture.hpp>
@@ -22,11 +21,11 @@ class LogBuilderTest : public testing::BuiltLogTest<D> {};
 TYPED_TEST_SUITE(LogBuilderTest, testing::Dimensions);
 
 TYPED_TEST(LogBuilderTest, SortsPosesAndTellsOdometryFromClosuresWhateverTheOrderAndDirection) {
-  this->edge({0, 40}, {0, 10}, 1);  // A closure: 20 and 30 lie between.
+  this->edge({0, 40}, {0, 10}, 1);  // a closure: 20 and 30 lie between
   this->edge({0, 30}, {0, 40}, 2);
-  this->edge({0, 20}, {0, 10}, 3);  // Odometry against its direction.
+  this->edge({0, 20}, {0, 10}, 3);  // odometry against its direction
   this->edge({0, 20}, {0, 30}, 4);
-  this->edge({0, 10}, {0, 20}, 5);  // The same two poses again.
+  this->edge({0, 10}, {0, 20}, 5);  // a second edge between 10 and 20
   const auto log = this->finish();
   ASSERT_TRUE(log);
   EXPECT_THAT(log->poses, ElementsAre(PoseId{0, 10}, PoseId{0, 20}, PoseId{0, 30}, PoseId{0, 40}));
@@ -43,7 +42,7 @@ TYPED_TEST(LogBuilderTest, StartsASessionWhereOdometryIsMissingAndWhereTheUserSt
   this->edge({0, 1}, {0, 2});
   this->edge({0, 3}, {0, 4});
   this->edge({1, 1}, {1, 2});
-  this->edge({0, 4}, {1, 1}, 7);  // Neighbours in order, but of two sessions.
+  this->edge({0, 4}, {1, 1}, 7);  // neighbours in order, but of two sessions
   const auto log = this->finish();
   ASSERT_TRUE(log);
   std::vector<std::pair<PoseIndex, PoseIndex>> sessions;
@@ -58,7 +57,7 @@ TYPED_TEST(LogBuilderTest, SortsObservationsByPoseAndKeepsTheFilesOrderWithin) {
   this->observe(6, 9, 1);
   this->observe(5, 9, 2);
   this->observe(6, 3, 3);
-  this->observe(5, 6, 4);  // Feature 6 is not pose 6.
+  this->observe(5, 6, 4);  // feature 6 is not pose 6
   const auto log = this->finish();
   ASSERT_TRUE(log);
   EXPECT_THAT(marks(log->observations()), ElementsAre(2, 4, 1, 3));
@@ -113,30 +112,6 @@ TYPED_TEST(LogBuilderTest, PriorsComeFromTheWorld) {
   EXPECT_EQ(log->pose_priors()[0].base, kWorld);
   EXPECT_EQ(log->pose_priors()[0].target, PoseIndex(1));
   EXPECT_EQ(log->feature_priors()[0].target, FeatureIndex(0));
-}
-
-TYPED_TEST(LogBuilderTest, AppendsALogAsItIsInSessionsOfItsOwn) {
-  constexpr int kDim = TestFixture::kDim;
-  this->edge({0, 0}, {0, 1}, 1);
-  this->edge({3, 0}, {3, 1}, 2);
-  this->edge({0, 0}, {3, 1}, 3);
-  this->builder.add_observation({0, 1}, {7}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
-  this->builder.add_pose_prior({0, 1}, Pose<kDim>{}, PoseMatrix<kDim>::Identity(), Point<kDim>::Ones());
-  Log<kDim> log = this->finish().value();
-  const auto closure = std::ranges::find(log.graph.pose_factors, log.closures().front().measured, &PoseFactor<kDim>::measured);
-  closure->loss = Loss::truncated(9.0);
-  LogBuilder<kDim> sessions("sessions");
-  sessions.append(log, 5);
-  const Log<kDim> appended = std::move(sessions).finish().value();
-  EXPECT_THAT(appended.poses, ElementsAre(PoseId{5, 0}, PoseId{5, 1}, PoseId{8, 0}, PoseId{8, 1}));
-  EXPECT_EQ(appended.features, log.features);
-  EXPECT_THAT(marks(appended.edges()), ElementsAre(1, 2, 3));
-  EXPECT_EQ(appended.closures().front().loss, Loss::truncated(9.0));
-  EXPECT_EQ(appended.pose_priors().front().lever, Point<kDim>::Ones());
-  EXPECT_EQ(appended.observations().front().measured, Point<kDim>::Ones());
-  constexpr auto kLast = std::numeric_limits<std::uint32_t>::max();
-  EXPECT_NO_THROW(LogBuilder<kDim>("last").append(log, kLast - 3));
-  EXPECT_THROW(LogBuilder<kDim>("too far").append(log, kLast - 2), std::out_of_range);
 }
 
 TYPED_TEST(LogBuilderTest, RefusesALogWithoutPoses) {

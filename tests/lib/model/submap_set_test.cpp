@@ -28,7 +28,7 @@ class SubmapSetTest : public ::testing::Test {
     set.graph.feature_factors.push_back(testing::random_feature_observation<kDim>(random, 0, 4));
     set.graph.fixed.push_back({0, random.template pose<kDim>()});
   }
-  /// Of the set after `change`.
+  /// The error of check_content() on the set after `change`.
   template <typename Change>
   std::string error(const Change& change) const {
     SubmapSet<kDim> changed = set;

@@ -15,7 +15,7 @@
 namespace mapjoin {
 namespace {
 
-/// Every fourth piece takes much longer than the others, so that these end first.
+/// Takes time, for every fourth piece much more than for the others, so that these end first.
 void dawdle(std::size_t k) {
   std::this_thread::sleep_for(std::chrono::microseconds(k % 4 == 0 ? 2000 : 50));
 }
@@ -36,7 +36,7 @@ TEST(Isolated, NoMorePiecesAreUnderWayThanThereAreThreads) {
       ++done;
     });
   };
-  // Pieces that come late: a thread that waited in one of the first would begin them.
+  // Pieces that come late; a thread that waits in one of the first would begin them if that were not isolated.
   tbb::task_arena(kThreads).execute([&] {
     for (int time = 0; time < 40; ++time) parallel_for(2, [&](std::size_t k) { parallel_for(k == 0 ? 1 : 6, piece); });
   });

@@ -19,7 +19,7 @@ template <typename D>
 class ManhattanTest : public ::testing::Test {};
 TYPED_TEST_SUITE(ManhattanTest, testing::Dimensions);
 
-/// How many standard deviations `chi2` lies from its expected value over `rows` rows.
+/// The number of standard deviations from chi2 to its expected value over `rows` rows.
 double deviation(double chi2, std::size_t rows) {
   return (chi2 - static_cast<double>(rows)) / std::sqrt(2.0 * static_cast<double>(rows));
 }
@@ -116,8 +116,7 @@ TYPED_TEST(ManhattanTest, TheWalkStaysInItsSquareOnStreetsAndTurnsAtCornersOnly)
     turns_by_kind.insert(
         static_cast<int>((quarters * Eigen::Array<double, kRotationDof<kDim>, 1>::LinSpaced(1.0, kDim)).sum()));
   }
-  // Straight on, left and right; in space pitch besides.
-  // Yaw is ±kDim here and, in space, pitch ±2; roll would be ±1.
+  // Straight on, left and right (yaw, ±kDim); in space up and down, too (pitch, ±2). Roll would be ±1.
   EXPECT_EQ(turns_by_kind, (kDim == 2 ? std::set{-2, 0, 2} : std::set{-3, -2, 0, 2, 3}));
 }
 
@@ -147,6 +146,7 @@ TYPED_TEST(ManhattanTest, SeesEveryFeatureInRangeAndNoOther) {
   std::set<std::pair<PoseIndex, FeatureIndex>> seen;
   for (const auto& o : log.observations()) seen.emplace(o.base, o.target);
   EXPECT_EQ(seen.size(), log.observations().size());
+  for (const auto& [pose, feature] : seen) EXPECT_LE((truth.features[feature] - truth.poses[pose].translation).norm(), 3.0);
   std::size_t in_range = 0;
   for (const PoseIndex i : indices(truth.poses)) {
     for (const Point<kDim>& feature : truth.features) {
@@ -154,7 +154,7 @@ TYPED_TEST(ManhattanTest, SeesEveryFeatureInRangeAndNoOther) {
     }
   }
   EXPECT_EQ(in_range, seen.size());
-  // One feature a cell: a ball of radius 3 m holds its volume over the cell's on average.
+  // With one feature in each cell, a ball of radius 3 m holds its volume over that of a cell on average.
   const double expected = (kDim == 2 ? 9.0 / 4.0 : 36.0 / 8.0) * std::numbers::pi;
   EXPECT_NEAR(static_cast<double>(in_range) / 400.0, expected, 0.1 * expected);
 }

@@ -9,7 +9,7 @@
 namespace mapjoin {
 namespace {
 
-/// The largest distance of the sample's distribution function from `F`, times √n (Kolmogorov and Smirnov).
+/// The largest distance of the sample's distribution function from `distribution`, times √n (Kolmogorov and Smirnov).
 template <typename F>
 double kolmogorov(std::vector<double> sample, F&& distribution) {
   std::sort(sample.begin(), sample.end());
@@ -22,7 +22,7 @@ double kolmogorov(std::vector<double> sample, F&& distribution) {
   return std::sqrt(n) * largest;
 }
 
-constexpr double kOneInTenThousand = 2.23;  // Kolmogorov's statistic exceeds it with probability 1e-4.
+constexpr double kOneInTenThousand = 2.23;  // Kolmogorov's statistic exceeds it with probability 1e-4
 
 TEST(RandomStream, MixIsSplitMix64) {
   // The generator's published first outputs for seed 1234567.
@@ -43,7 +43,7 @@ TEST(RandomStream, NormalDeviatesAreNormal) {
   std::vector<double> sample(100'000);
   for (double& x : sample) x = random.normal();
   EXPECT_LT(kolmogorov(sample, [](double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }), kOneInTenThousand);
-  // Two deviates come of one draw: successive ones must not know of each other, nor their squares.
+  // Two deviates come from one draw: successive ones must be uncorrelated, and so must their squares.
   double product = 0.0;
   double square_product = 0.0;
   for (std::size_t i = 0; i + 1 < sample.size(); ++i) {
@@ -54,7 +54,7 @@ TEST(RandomStream, NormalDeviatesAreNormal) {
   EXPECT_LT(std::abs(square_product), 4.0 * std::sqrt(4e5));
 }
 
-TEST(RandomStream, StreamsAndSeedsAreIndependentAndRepeatable) {
+TEST(RandomStream, StreamsAndSeedsDifferAndAreRepeatable) {
   EXPECT_EQ(RandomStream(1, 2).next(), RandomStream(1, 2).next());
   EXPECT_NE(RandomStream(1, 2).next(), RandomStream(2, 1).next());
   EXPECT_NE(RandomStream(1, 2).next(), RandomStream(1, 3).next());

@@ -61,7 +61,7 @@ TYPED_TEST(WrongMeasurementsTest, WrongClosuresStandAfterThoseOfTheLogWhichStayA
 TYPED_TEST(WrongMeasurementsTest, RepeatedEdgesAreCounted) {
   constexpr int kDim = TypeParam::value;
   const Log<kDim> log = small_world<kDim>({.poses = 6, .closures = 1}).log;
-  // Ten pairs of six poses are no neighbours, and one of them may be tied already.
+  // Only ten pairs of six poses are not neighbours: at least 20 of 30 closures repeat an edge.
   EXPECT_GE(plant_wrong_closures(log, ClosurePolicy::kRandom, 30, 1).log.repeated_edges, 20);
 }
 

@@ -14,7 +14,7 @@ TEST_P(CrossCovariancesTest, AreTheBlocksOfTheDenseInverse) {
   const CrossCovariances cross(equations);
   std::vector<Variable> all;
   for (const Variable v : equations.variables()) all.push_back(v);
-  all.push_back(all.front());  // in any order, and more than once
+  all.push_back(all.front());  // a variable may be asked for more than once
   for (const std::vector<Variable>& rows : {std::vector<Variable>{0}, {Variable(count - 1), Variable(count / 2)}}) {
     const Eigen::MatrixXd of_all = inverse(entries(rows), entries(all));
     EXPECT_LT((cross.between(rows, all) - of_all).norm(), 1e-12 * of_all.norm());

@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// Three poses and two features; null vectors by what they do to a point and a heading.
+/// Three poses and two features, and null vectors that move or turn some of them.
 template <typename Dimension>
 class FreeDirectionsTest : public ::testing::Test {
  protected:
@@ -27,7 +27,7 @@ class FreeDirectionsTest : public ::testing::Test {
     size_ += is_pose ? kPoseDof<kDim> : kDim;
   }
 
-  /// Some variables turned about a point, by each of the axes.
+  /// Null vectors that turn some variables about a point: one for each axis.
   Eigen::MatrixXd turned(const std::vector<std::size_t>& which, const Point<kDim>& centre) const {
     Eigen::MatrixXd N = Eigen::MatrixXd::Zero(size_, kRotationDof<kDim>);
     for (const std::size_t v : which) {

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mapjoin/solve/marginals.hpp>
+#include <memory>
 #include <tests/lib/solve/rings_fixture.hpp>
 #include <tests/support/sparse.hpp>
 
@@ -25,6 +26,16 @@ TEST_P(MarginalsTest, AreTheBlocksOfTheDenseInverse) {
   }
 }
 
+TEST_P(MarginalsTest, StayWhereTheyAreWhenTheEquationsGo) {
+  ASSERT_FALSE(equations.factorise(0.0));
+  const std::vector<Variable> pair = {on_ring(0, 1, 1), 0};
+  auto going = std::make_unique<NormalEquations>(std::move(equations));
+  const Marginals marginals(*going);
+  const Eigen::MatrixXd before = marginals.joint(pair);
+  going.reset();
+  EXPECT_EQ(marginals.joint(pair), before);
+}
+
 TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovarianceOfWhatIsGiven) {
   Eigen::VectorXd v(equations.size());
   for (auto& entry : v) entry = random.uniform(-1.0, 1.0);
@@ -41,7 +52,7 @@ TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovari
 
 INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest, testing::kRings, testing::name_of_rings);
 
-/// Of `count` random observations, each of three columns at most `reach` apart.
+/// The information matrix of `count` random observations, each of three columns at most `reach` apart.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Eigen::Index count, Eigen::Index reach, Random& random) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -82,7 +93,7 @@ TEST_P(InverseSubsetTest, HoldsTheEntriesOfTheDenseInverseWhereTheMatrixHasSome)
   }
   EXPECT_LT(largest, 1e-11 * inverse.cwiseAbs().maxCoeff());
 }
-// From factors kept column by column to those of wide supernodes.
+// Cases from factors kept column by column to those of wide supernodes.
 INSTANTIATE_TEST_SUITE_P(Sizes, InverseSubsetTest,
                          ::testing::Values(Case{1, 0, 1}, Case{2, 4, 1}, Case{50, 60, 3}, Case{200, 600, 9},
                                            Case{300, 1500, 290}, Case{250, 9000, 240}),
@@ -116,7 +127,7 @@ TEST(InverseSubset, CountsItsMemoryBeforehand) {
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
   ASSERT_TRUE(cholesky.factorise(matrix).empty());
-  // Nearly dense: the lower triangle at least, and not many times the square.
+  // A nearly dense matrix takes its lower triangle at least, and not many times its square.
   EXPECT_GT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 / 2);
   EXPECT_LT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 * 4);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where chi2 is not what Gauss-Newton takes it for: whether minimise() goes on there, and whether it says that it converged.
+// Ends of minimise() where chi2 is not what Gauss-Newton takes it for: whether it goes on, and whether it says that it
+// converged.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +15,7 @@ using testing::DenseProblem;
 using testing::rosenbrock;
 using testing::to_the_end;
 
-/// What rounding adds to chi2 is more than what the last step gains.
+/// A problem in which rounding adds more to chi2 than the last step gains.
 struct RoundedProblem : DenseProblem {
   using DenseProblem::DenseProblem;
   double try_step(const Eigen::VectorXd& v) { return DenseProblem::try_step(v) * (1.0 + 1e-14); }
@@ -28,13 +29,13 @@ TEST(MinimiseEnd, TheLastStepIsTakenThoughChi2CannotShowItsGain) {
   EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-9);
 }
 
-/// One that has Gauss-Newton's H only.
+/// A problem that has the H of Gauss-Newton only.
 struct FlatProblem : DenseProblem {
   using DenseProblem::DenseProblem;
   void add_curvature() {}
 };
 
-/// At the minimum, 0, chi2 curves 1 + 2c times what Gauss-Newton takes it to.
+/// A function for which chi2 curves 1 + 2c times as much at 0 as Gauss-Newton takes it to.
 DenseProblem::Function valley(double c) {
   return [c](const Eigen::VectorXd& x) { return Eigen::VectorXd(Eigen::Vector2d(x[0], 1.0 + c * x[0] * x[0])); };
 }
@@ -57,7 +58,7 @@ TEST(MinimiseEnd, GoesOnByGaussNewtonWhereChi2IsNotConvex) {
   EXPECT_EQ(result.factorisations, hill.factorisations);
 }
 
-/// Of which no step but a tiny one gains what it promises: |x| with a kink where the start is.
+/// A problem whose chi2 is never below 1, its value at the start: no step gains anything.
 struct KinkedProblem : DenseProblem {
   using DenseProblem::DenseProblem;
   double try_step(const Eigen::VectorXd& v) { return std::max(DenseProblem::try_step(v), 1.0); }
@@ -69,7 +70,7 @@ TEST(MinimiseEnd, HasNotConvergedWhereOnlyTheRegionShrankToNothing) {
   EXPECT_EQ(minimise(problem, to_the_end(Method::kDogleg)).status, MinimiseStatus::kNoProgress);
 }
 
-/// Of which every step raises chi2.
+/// A problem in which every step raises chi2.
 struct RaisedProblem : DenseProblem {
   using DenseProblem::DenseProblem;
   double try_step(const Eigen::VectorXd& v) { return DenseProblem::try_step(v) + 1.0; }
@@ -103,7 +104,7 @@ TEST(MinimiseEnd, LevenbergMarquardtEndsWithAnUndampedStep) {
   EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-9);
 }
 
-/// Singular unless it is damped by a thousandth.
+/// A problem whose system is singular unless it is damped by a thousandth.
 struct StubbornProblem : DenseProblem {
   using DenseProblem::DenseProblem;
   std::optional<Variable> factorise(double damping) {

@@ -14,14 +14,14 @@ using testing::DenseProblem;
 using testing::rosenbrock;
 using testing::to_the_end;
 
-/// Powell's badly scaled function: the valley is a hyperbola, the minimum at (1.098e-5, 9.106).
+/// Powell's badly scaled function, whose valley is a hyperbola; the minimum is at (1.098e-5, 9.106).
 Eigen::VectorXd badly_scaled(const Eigen::VectorXd& x) {
   return Eigen::Vector2d(1e4 * x[0] * x[1] - 1.0, std::exp(-x[0]) + std::exp(-x[1]) - 1.0001);
 }
 
 class MinimiseTest : public ::testing::TestWithParam<Method> {
  protected:
-  /// Dogleg and Levenberg-Marquardt may not climb.
+  /// Expects chi2 to fall with every step, as dogleg and Levenberg-Marquardt promise.
   static void expect_descent(const DenseProblem& problem) {
     for (std::size_t k = 1; k < problem.visited.size(); ++k) EXPECT_LT(problem.visited[k], problem.visited[k - 1]);
   }
@@ -118,7 +118,7 @@ TEST_P(MinimiseTest, TakesNoStepWhereChi2IsNotFinite) {
 
 TEST_P(MinimiseTest, TakesNoStepToWhereChi2IsNotFinite) {
   const auto logarithm = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(x.array().log()); };
-  DenseProblem problem(logarithm, Eigen::VectorXd::Constant(1, 3.0));  // from where the Gauss-Newton step leads below 0
+  DenseProblem problem(logarithm, Eigen::VectorXd::Constant(1, 3.0));  // the Gauss-Newton step leads below 0
   const MinimiseResult result = minimise(problem, to_the_end(GetParam()));
   const bool is_plain = GetParam() == Method::kGaussNewton;
   EXPECT_EQ(result.status, is_plain ? MinimiseStatus::kNoProgress : MinimiseStatus::kConverged);

@@ -14,7 +14,7 @@ namespace {
 
 using testing::Random;
 
-/// Variables of 3 and of 2 entries in random factors; the same blocks also go into a dense matrix.
+/// Normal equations over variables of 3 and of 2 entries in random factors, and the dense matrix of the same blocks.
 class NormalEquationsTest : public ::testing::Test {
  protected:
   void make(int triples, int pairs, int count) {
@@ -45,7 +45,7 @@ class NormalEquationsTest : public ::testing::Test {
     for (std::size_t f = 0; f < pattern.factors.size(); ++f) add(pattern.factors[f], equations.sink(f));
   }
 
-  /// JᵀJ and Jᵀr of a random J over the variables of a factor, blocks of variables i ≤ j.
+  /// Adds JᵀJ and Jᵀr of a random J over the variables of a factor: to the sink the blocks of variables i ≤ j, to H all.
   void add(std::span<const Variable> variables, NormalEquations::Sink sink) {
     std::vector<Eigen::MatrixXd> J;
     const Eigen::VectorXd r = random.vector<6>();
@@ -106,10 +106,10 @@ TEST_F(NormalEquationsTest, NameTheVariableThatNothingDetermines) {
   pattern.factors.push_back(std::array<Variable, 2>{0, 1});
   pattern.factors.push_back(std::array<Variable, 2>{1, 3});
   make(pattern);
-  EXPECT_EQ(equations.factorise(0.0), Variable(2));  // no factor ties it to anything
+  EXPECT_EQ(equations.factorise(0.0), Variable(2));  // which is in no factor
 }
 
-/// A chain of poses that see features of a strip beside it.
+/// The pattern of a chain of poses that see features of a strip beside it.
 BlockPattern strip(int poses, int features) {
   BlockPattern pattern;
   pattern.dofs.assign(static_cast<std::size_t>(poses), 3);

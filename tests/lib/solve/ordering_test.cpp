@@ -14,7 +14,7 @@ namespace {
 
 using testing::grid;
 
-/// Blocks of the Cholesky factor below the diagonal, by eliminating one variable after the other.
+/// The number of blocks of the Cholesky factor below its diagonal, by eliminating one variable after the other.
 std::size_t fill(const BlockGraph& graph, const Table<Column, Variable>& order) {
   Table<Variable, std::set<Variable>> adjacent(graph.size());
   for (const Variable v : indices(adjacent)) adjacent[v].insert(graph[v].begin(), graph[v].end());
@@ -47,7 +47,7 @@ TEST(Partition, CutsAGridIntoHalvesAcross) {
   for (const Variable v : indices(part)) {
     for (const Variable other : graph[v]) cut += part[v] < part[other] ? 1 : 0;
   }
-  EXPECT_LE(cut, side + 5);  // a straight cut takes as many as the grid is wide
+  EXPECT_LE(cut, side + 5);  // a straight cut has as many edges as the grid has rows
   EXPECT_EQ(partition(graph, Table<Variable, std::int32_t>(graph.size(), 1), 2), part);
 }
 
@@ -142,14 +142,14 @@ TEST(Ordering, IsTheSameFromSeveralThreadsAtOnce) {
 TEST(Ordering, HasEverySubtreeInOneRun) {
   testing::Random random;
   const EliminationTree tree = elimination_tree(testing::grid_system(12, random));
-  Table<Column, int> sizes(tree.parent.size() + 1, 1);  // of the subtrees
+  Table<Column, int> sizes(tree.parent.size() + 1, 1);  // sizes of the subtrees
   for (const Column k : indices(tree.parent)) sizes[tree.parent[k]] += sizes[k];
   for (const Column root : indices(tree.parent)) {
     for (const Column below : IndexRange<Column>{root - sizes[root] + 1, root}) EXPECT_LE(tree.parent[below], root);
   }
 }
 
-/// By eliminating one column after the other.
+/// The elimination tree by eliminating one column after the other.
 EliminationTree eliminated(const BlockLower& A) {
   Table<Column, std::set<Column>> columns(A.rows.size());
   for (const Column k : A.columns()) columns[k].insert(A.rows[k].begin(), A.rows[k].end());

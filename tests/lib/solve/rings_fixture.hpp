@@ -20,8 +20,8 @@ struct Rings {
   Engine engine = Engine::kFronts;
 };
 
-/// Variables of 3 and of 2 entries in rings, which nothing ties to each other, of observations of three, with some across; the
-/// same blocks also go into a dense matrix.
+/// Normal equations over variables of 3 and of 2 entries in rings, which nothing ties to each other, and the dense matrix of
+/// the same blocks. Observations tie three variables of a ring: neighbours, and one across.
 class RingsTest : public ::testing::TestWithParam<Rings> {
  protected:
   RingsTest() {
@@ -35,7 +35,7 @@ class RingsTest : public ::testing::TestWithParam<Rings> {
     inverse = H.inverse();
   }
 
-  /// The variable at a·k + b of the ring that has v, v being the k-th of it.
+  /// The variable at place a·k + b of the ring in which v is at place k.
   Variable on_ring(int v, int a, int b) const {
     const int rings = GetParam().rings;
     return Variable((a * (v / rings) + b) % (count / rings) * rings + v % rings);
@@ -55,7 +55,7 @@ class RingsTest : public ::testing::TestWithParam<Rings> {
       }
     }
   }
-  /// Diagonal blocks outweigh the others: H is positive definite.
+  /// A random block; those on the diagonal outweigh the others, so that H is positive definite.
   Eigen::MatrixXd information(int rows, int cols, bool is_diagonal) {
     if (is_diagonal) return 6.0 * Eigen::MatrixXd::Identity(rows, cols);
     Eigen::MatrixXd block(rows, cols);

@@ -6,12 +6,12 @@
 namespace mapjoin {
 namespace {
 
-/// A step of length 1 by which the model lowers chi2 so much.
+/// A step of length 1 by which the model lowers chi2 by `decrease`.
 ModelStep promising(double decrease) {
   return {Eigen::VectorXd::Ones(1), decrease, 1.0};
 }
 
-/// One that has taken a step of the promise 1, which gained so much of a chi2.
+/// A trust region that has judged a step that promised to lower chi2 by 1 and lowered it by `gain`.
 TrustRegion after(double gain, Method method = Method::kDogleg, double chi2 = 1e3) {
   TrustRegion region(method);
   region.set_newton_step(promising(1.0));
@@ -74,9 +74,9 @@ TEST(TrustRegion, TheFactorOfATruncatedStepDoesNotServeAgain) {
   EXPECT_FALSE(region.may_repeat(1e9));
 }
 
-/// Along the direction of steepest descent chi2 falls, as the model has it, by 2 s - s² of what it does at its least.
 TEST(TrustRegion, AStepThatIsCutShortOnTheWayDownPromisesWhatIsLeftOfIt) {
-  TrustRegion region = after(-1.0);  // of length 1: a quarter is tried next
+  // At a share s of the way to the Cauchy point the model has 2 s - s² of the decrease there.
+  TrustRegion region = after(-1.0);  // the step had length 1: a quarter is tried next
   region.set_cauchy_point(promising(0.8), Unmeasured{});
   EXPECT_DOUBLE_EQ(region.step()[0], 0.25);
   EXPECT_DOUBLE_EQ(region.predicted_decrease(), 0.8 * (2.0 * 0.25 - 0.25 * 0.25));

@@ -70,7 +70,7 @@ TEST(Constellation, IsFoundAsFarOffAsMostFeaturesAreUncertain) {
   auto seen = points;
   Random random(6);
   FeatureMap<2> second = map_of<2>(points);
-  for (std::size_t k = 4; k < points.size(); ++k) {  // of the first four, which stand apart, all is known
+  for (std::size_t k = 4; k < points.size(); ++k) {  // the first four, which stand apart, keep their places and their certainty
     seen[k] += random.vector<2>(0.2);
     second.covariance.diagonal().segment<2>(2 * static_cast<Eigen::Index>(k)).setConstant(0.04);
   }
@@ -82,7 +82,8 @@ TEST(Constellation, IsFoundAsFarOffAsMostFeaturesAreUncertain) {
   EXPECT_GE(itself, 30U);
 }
 
-/// Features that are known to a centimetre stand half a metre off, beside many that are known to half a metre only.
+/// Features known to a centimetre are off by up to half a metre in each coordinate; far away there are many that are known to
+/// half a metre only.
 TEST(Constellation, IsAlikeAsFarAsItsOwnFeaturesAreUncertain) {
   auto points = scattered<2>(12, 7);
   for (const auto& p : scattered<2>(40, 8)) points.push_back(p + Point<2>(100.0, 0.0));

@@ -45,7 +45,7 @@ TEST(NameFit, IsBadWhereASessionIsOfAnotherScale) {
   EXPECT_LT(worst_name_fit(log, 0.99).value()->alike, 0.5);
 }
 
-/// One wrong observation bends the map of its session; the names mean the same all the same.
+/// One wrong observation bends the map of its session; ids still mean the same features.
 TEST(NameFit, IsGoodWhereOneWrongObservationBendsAMap) {
   auto log = small_world<2>({.features = 40, .closures = 0, .sessions = 2, .range = 3.0}).log;
   FeatureFactor<2>& seen = log.graph.feature_factors[log.observations().size() / 4];
@@ -55,7 +55,7 @@ TEST(NameFit, IsGoodWhereOneWrongObservationBendsAMap) {
   EXPECT_TRUE(worst_name_fit(log, 0.99).value()->is_good());
 }
 
-/// Of forty names half mean other features: a quarter of all distances, or somewhat less, is between two of the others.
+/// Half of forty ids mean other features, so that a little less than a quarter of all distances is between two right ones.
 TEST(NameFit, IsTheShareOfAllDistances) {
   auto log = small_world<2>({.features = 40, .sessions = 2, .range = 30.0}).log;
   for (auto& seen : log.graph.feature_factors) {

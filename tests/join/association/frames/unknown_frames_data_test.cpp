@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Public data cut into sessions that share no names: which features are the same, and so where the sessions lie, is found out.
+// Public data cut into sessions that share no ids of features: association finds common features, and by them how sessions lie.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -16,7 +16,7 @@
 namespace mapjoin::testing {
 namespace {
 
-/// Trees of citytrees that stand at one place.
+/// Pairs of trees of citytrees that stand at one place.
 using Twins = std::pair<std::uint64_t, std::uint64_t>;
 const std::vector<Twins> kTwins = {{2, 34}, {4, 91}, {5, 86}, {12, 78}, {45, 77}, {46, 57}, {62, 99}, {67, 88}};
 
@@ -29,7 +29,7 @@ void PrintTo(const Hidden& hidden, std::ostream* out) {
   *out << hidden.path << " in " << hidden.sessions << (hidden.names_hold ? ", own names" : ", no names");
 }
 
-/// Pairs of sessions with at least so many features in common, as `name` has them.
+/// The pairs of sessions with at least `least` features in common, told apart by `name`.
 template <typename Name>
 std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_sharing(const std::vector<AssociatedSighting>& sightings,
                                                                 std::size_t least, Name name) {
@@ -52,7 +52,8 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_sharing(const std::vecto
 
 class UnknownFrames : public ::testing::TestWithParam<Hidden> {};
 
-/// The sightings of data cut into sessions that share no names, under their true names; `step` is between those of sessions.
+/// The associated sightings of data cut into sessions without common ids; `step` becomes the distance of a session's ids from
+/// those of the one before.
 std::vector<AssociatedSighting> sightings_found(const Hidden& hidden, std::uint64_t& step) {
   const auto path = data_file(hidden.path);
   AssociationOptions options;
@@ -90,7 +91,7 @@ TEST_P(UnknownFrames, AreFoundByFeatures) {
   }
 }
 
-/// Beacons every three metres look the same everywhere.
+/// Beacons of a regular grid, which look the same everywhere.
 TEST(UnknownFrames, OfARegularGridStayApart) {
   const auto set = std::get<SubmapSet<2>>(open_maps(data_file("sim-35188/localmaps_mat.tar.gz")).value());
   const TemporaryFolder folder;
@@ -102,7 +103,7 @@ TEST(UnknownFrames, OfARegularGridStayApart) {
   EXPECT_EQ(found.untied.front().alignment.status, AlignmentStatus::kAmbiguous);
 }
 
-/// With no names at all citytrees takes minutes.
+/// The cases, without citytrees with no ids at all, which takes minutes.
 std::vector<Hidden> cases() {
   std::vector<Hidden> all;
   for (const std::string path : {"vicpark-6898/VicPark_clean_data.mat", "dlr/corrected_data_circles.mat",

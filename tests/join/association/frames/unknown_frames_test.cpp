@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sessions of unknown frames: laid on each other by their features, left apart where these do not say where.
+// Sessions in unknown frames: aligned by their features, left apart if these do not determine how.
 #include <gtest/gtest.h>
 
 #include <map>

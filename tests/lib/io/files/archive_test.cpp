@@ -21,7 +21,7 @@ using testing::write_gzip;
 
 class ArchiveTest : public ::testing::Test {
  protected:
-  /// Names and contents of the files not called "other", in the order of the visit.
+  /// The names and contents of the files not called "other", in the order of the visit.
   Expected<std::vector<std::pair<std::string, std::string>>> visit(const fs::path& path) {
     std::vector<std::pair<std::string, std::string>> seen;
     const auto done = visit_files(
@@ -34,7 +34,7 @@ class ArchiveTest : public ::testing::Test {
     return seen;
   }
   testing::TemporaryFolder folder;
-  const std::string long_text = std::string(3000, 'a').append("end");  // g++ 12 has a false warning for a sum
+  const std::string long_text = std::string(3000, 'a').append("end");  // for a sum g++ 12 has a false warning
 };
 
 TEST_F(ArchiveTest, GivesTheWantedMembersPlainOrGzipped) {

@@ -26,7 +26,7 @@ class FileBytesTest : public ::testing::Test {
     EXPECT_THAT(bytes.error().message, StartsWith(path.string() + ": "));
     return bytes.error().message.substr(path.string().size() + 2);
   }
-  /// A gzip file's bytes but for the last few.
+  /// A copy of a gzip file without its last bytes, `missing` in number.
   fs::path cut(const fs::path& gzip, std::size_t missing) const {
     const std::string bytes = testing::content_of(gzip);
     return folder.file("cut.gz", bytes.substr(0, bytes.size() - missing));

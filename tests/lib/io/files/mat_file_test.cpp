@@ -27,7 +27,7 @@ class MatFileTest : public ::testing::Test {
     std::size_t dims[2] = {static_cast<std::size_t>(value.rows()), static_cast<std::size_t>(value.cols())};
     put(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, value.data(), 0), compression);
   }
-  /// [[1.5, 0, 0], [0, 0, 2.5]], the row of 2.5 being `row`.
+  /// Puts the sparse matrix [[1.5, 0, 0], [0, 0, 2.5]], with `row` as the row of 2.5.
   void put_sparse(const char* name, mat_uint32_t row = 1) {
     mat_uint32_t ir[] = {0, row};
     mat_uint32_t jc[] = {0, 1, 1, 2};
@@ -36,7 +36,7 @@ class MatFileTest : public ::testing::Test {
     std::size_t dims[2] = {2, 3};
     put(Mat_VarCreate(name, MAT_C_SPARSE, MAT_T_DOUBLE, 2, dims, &sparse, MAT_F_DONT_COPY_DATA), MAT_COMPRESSION_NONE);
   }
-  /// The file's content, with nothing more to come.
+  /// Closes the file, and returns its content.
   std::string bytes() {
     close();
     return testing::bytes_of(path());
@@ -76,7 +76,7 @@ TEST_F(MatFileTest, RefusesWhatIsNotARealMatrixOfDoubles) {
 TEST_F(MatFileTest, RefusesSizesThatDoNotAgreeBeforeAskingForMemory) {
   put("a", Eigen::MatrixXd::Ones(3, 3));
   const std::string whole = bytes();
-  // After the 128 bytes of the file's header: 8 of the variable's tag, 16 of its flags, 8 of the dimensions' tag.
+  // The dimensions are behind 128 bytes of the file's header, 8 of the variable's tag, 16 of its flags and 8 of their own tag.
   for (const std::size_t at : {160u, 163u, 164u, 167u}) {
     std::string content = whole;
     content[at] = '\x7f';
@@ -91,9 +91,9 @@ TEST_F(MatFileTest, RefusesFlagsAndDimensionsThatAreNotWholeNumbersOfTheirType) 
   std::string longer = other_type;
   other_type[152] = '\x6';
   other_flags[136] = '\x5';
-  longer.insert(168, 8, '\0');  // Nine bytes of dimensions are kept in sixteen.
+  longer.insert(168, 8, '\0');  // nine bytes of dimensions are padded to sixteen
   longer[156] = '\x9';
-  longer[132] = static_cast<char>(longer[132] + 8);  // The whole variable's size.
+  longer[132] = static_cast<char>(longer[132] + 8);  // the size of the whole variable
   for (const std::string& content : {other_type, other_flags, longer}) {
     const auto found = read_mat(content, "f.mat", {"a"});
     ASSERT_FALSE(found);
@@ -104,7 +104,7 @@ TEST_F(MatFileTest, RefusesFlagsAndDimensionsThatAreNotWholeNumbersOfTheirType) 
 TEST_F(MatFileTest, RefusesASparseMatrixOfMoreRowsThanTheFileHasRoomForBeforeAskingForMemory) {
   put_sparse("sparse");
   std::string content = bytes();
-  content[160] = '\xff';  // The lowest byte of the number of rows.
+  content[160] = '\xff';  // the lowest byte of the number of rows
   const auto found = read_mat(content, "f.mat", {"sparse"});
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().kind, ErrorKind::kTooLarge);
@@ -114,7 +114,7 @@ TEST_F(MatFileTest, RefusesASparseMatrixOfMoreRowsThanTheFileHasRoomForBeforeAsk
 TEST_F(MatFileTest, RefusesASparseMatrixWhosePartsAreOfOtherTypes) {
   put_sparse("sparse");
   const std::string whole = bytes();
-  // Behind the dimensions, the tag of the name and the name: the types of the rows, of the ends of the columns, of the values.
+  // The types of the row indices, of the ends of columns and of the values, behind the dimensions and the name.
   for (const std::size_t at : {184u, 200u, 224u}) {
     std::string content = whole;
     ASSERT_THAT(content[at], ::testing::AnyOf(6, 9)) << at;
@@ -130,7 +130,7 @@ TEST_F(MatFileTest, PassesOverCellsWhateverTheyPromise) {
   put(Mat_VarCreate("cells", MAT_C_CELL, MAT_T_CELL, 2, dims, &number, 0), MAT_COMPRESSION_NONE);
   put("a", Eigen::MatrixXd::Ones(2, 2));
   std::string content = bytes();
-  content[160 + 3] = '\x7f';  // Two thousand million cells.
+  content[160 + 3] = '\x7f';  // two thousand million cells
   const auto found = read_mat(content, "f.mat", {"a"});
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->at("a"), Eigen::MatrixXd::Ones(2, 2));
@@ -172,10 +172,10 @@ TEST_F(MatFileTest, IsTooLargeRatherThanDamagedWhereItUnpacksToMoreThanAllowed) 
   EXPECT_EQ(inflated.error().message, "f.mat: unpacks to more than 7 MB");
 }
 
-TEST_F(MatFileTest, NoticesEveryFlippedBitOfACompressedVariable) {
+TEST_F(MatFileTest, NoticesAFlippedBitOfAnyByteOfACompressedVariable) {
   put("a", Eigen::MatrixXd::Random(4, 4), MAT_COMPRESSION_ZLIB);
   const std::string whole = bytes();
-  // Behind the file's header and the element's tag.
+  // The compressed data begin behind the header of the file and the tag of the element.
   for (std::size_t at = 136; at < whole.size(); ++at) {
     std::string flipped = whole;
     flipped[at] = static_cast<char>(flipped[at] ^ (1 << at % 8));

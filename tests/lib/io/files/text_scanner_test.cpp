@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// The message about the first line of `text`, read as `numbers` numbers.
+/// The error of reading the first line of `text` as `numbers` numbers.
 std::string message_about(const std::string& text, int numbers) {
   TextScanner scanner("some.txt", text);
   scanner.next_line();

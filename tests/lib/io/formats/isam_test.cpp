@@ -34,7 +34,7 @@ TEST(Isam, ReadsThePlaneAndSquaresItsInformation) {
   EXPECT_EQ(log.observations()[0].information, (Matrix<2>() << 1, 2, 2, 13).finished());
 }
 
-/// R = Rz(yaw) Ry(pitch) Rx(roll), written out.
+/// The rotation Rz(yaw) Ry(pitch) Rx(roll), written out.
 Rotation<3> from_angles(const Vector<3>& angles) {
   const double cr = std::cos(angles[0]), sr = std::sin(angles[0]);
   const double cp = std::cos(angles[1]), sp = std::sin(angles[1]);
@@ -81,7 +81,7 @@ TEST(Isam, WritesZerosForWhatIsNotMeasuredButNotForWhatHardlyIs) {
     const std::string text(FileBytes::read(folder.path() / "out").value().view());
     return text.substr(text.rfind(' ') + 1);
   };
-  const Point<2> v(0.1, 0.7);  // What rounding leaves of the second pivot is 3e-16 of the diagonal.
+  const Point<2> v(0.1, 0.7);  // rounding leaves some 1e-16 of the diagonal as the second pivot
   EXPECT_EQ(last_number(v * v.transpose()), "0\n");
   EXPECT_NE(last_number((Matrix<2>() << 1, 1, 1, 1 + 1e-10).finished()), "0\n");
 }

@@ -54,6 +54,11 @@ TYPED_TEST(LogFormatTest, G2oBringsBackEveryBit) {
   auto again = this->again(log, LogFormat::kG2o);
   for (FeatureId& feature : again.features) feature.key -= 100;
   expect_same_log(log, again);
+  ASSERT_EQ(again.initial.poses.size(), log.initial.poses.size());
+  for (const PoseIndex p : indices(log.poses)) {
+    expect_same_value(log.initial.poses[p], again.initial.poses[p], 0.0);
+  }
+  EXPECT_EQ(again.initial.features, log.initial.features);
 }
 
 TYPED_TEST(LogFormatTest, ToroBringsBackAPoseGraphAndItsValues) {
@@ -158,7 +163,7 @@ TYPED_TEST(LogFormatTest, RefusesInASentenceWhatAFormatCannotSay) {
   auto edgeless = log;
   edgeless.graph.pose_factors.clear();
   for (const LogFormat format : {LogFormat::kIsam, LogFormat::kGtsam, LogFormat::kOdomObs, LogFormat::kMat}) {
-    if (Dim == 3 && format != LogFormat::kIsam) continue;  // they are for the plane
+    if (Dim == 3 && format != LogFormat::kIsam) continue;  // the others are for the plane
     EXPECT_THAT(this->refusal(edgeless, format), HasSubstr("has only edges and observations, and the log has none"));
   }
   EXPECT_EQ(this->again(edgeless, LogFormat::kG2o).poses, edgeless.poses);
@@ -175,7 +180,7 @@ TEST_F(PlanarFormatTest, CovariancesBringBackInformationToRounding) {
   for (const LogFormat format : {LogFormat::kGtsam, LogFormat::kOdomObs, LogFormat::kMat}) {
     Log<2> again = this->again(log, format);
     if (format == LogFormat::kGtsam) {
-      for (FeatureId& feature : again.features) feature.key -= 100;  // In the numbering of the poses.
+      for (FeatureId& feature : again.features) feature.key -= 100;  // numbered apart from poses
     }
     expect_same_log(log, again, {0.0, 1e-12});
   }
@@ -194,10 +199,11 @@ TEST(LogFormatData, PublicLogsComeBackFromEveryFormatThatHoldsThem) {
   for (const LogFormat format : {LogFormat::kG2o, LogFormat::kIsam, LogFormat::kGtsam, LogFormat::kOdomObs, LogFormat::kMat}) {
     ASSERT_TRUE(write_log(vicpark, format, folder.path() / "log"));
     Log<2> again = open(folder.path() / "log");
-    if (format == LogFormat::kG2o || format == LogFormat::kGtsam) again.features = vicpark.features;  // Numbered apart.
+    // g2o and GTSAM number features apart from poses.
+    if (format == LogFormat::kG2o || format == LogFormat::kGtsam) again.features = vicpark.features;
     expect_same_log(vicpark, again, {0.0, format == LogFormat::kG2o ? 0.0 : 1e-12});
   }
-  // The authors' table itself: covariances to the last digits.
+  // The authors' own table, with covariances to rounding.
   ASSERT_TRUE(write_log(vicpark, LogFormat::kOdomObs, folder.path() / "log"));
   expect_same_log(open(data_file("vicpark-6898/vicpark_clean_data.txt.gz")), open(folder.path() / "log"), {0.0, 1e-12});
 }

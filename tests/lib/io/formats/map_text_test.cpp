@@ -34,7 +34,7 @@ class MapText : public ::testing::Test {
     const auto done = write(map, path);
     return done ? testing::content_of(path) : done.error().message;
   }
-  /// The tables of poses and of features.
+  /// Writes the tables of poses and of features, and returns their contents.
   template <int Dim>
   std::pair<std::string, std::string> tables(const GlobalMap<Dim>& map) {
     const auto done = write_csv(map, path, beside);
@@ -143,8 +143,8 @@ TEST_F(MapText, GeoJsonHasALineOfEachSessionAndAPointOfASinglePose) {
   EXPECT_EQ(features[1]["properties"]["session"], 1);
 }
 
-/// Fiji: over the antimeridian to the east, and back.
 TEST_F(MapText, GeoJsonCutsATrajectoryAtTheAntimeridian) {
+  // A way in Fiji, over the antimeridian to the east and back.
   const GeographicFrame frame({-17.0, 180.0, 0.0});
   GlobalMap<3> map;
   map.pose_ids = {{0, 0}, {0, 1}, {0, 2}};
@@ -168,8 +168,8 @@ TEST_F(MapText, GeoJsonCutsATrajectoryAtTheAntimeridian) {
   }
 }
 
-/// Poses on it may be at 180 as at -180 degrees.
 TEST_F(MapText, GeoJsonFollowsATrajectoryThatRestsOnTheAntimeridian) {
+  // Poses on the antimeridian may be written at 180 or at -180 degrees, but each line stays on one side.
   GlobalMap<2> map;
   for (const double east : {-9.0, 0.0, 0.0, 9.0, 0.0, -9.0, 9.0}) {
     map.pose_ids.push_back({0, map.pose_ids.size()});

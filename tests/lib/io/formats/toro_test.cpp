@@ -33,7 +33,7 @@ TEST(Toro, ReadsThePlaneWithItsOwnOrderOfWeights) {
 
 TEST(Toro, TakesAnglesInSpaceAsIsamDoes) {
   const std::string edge = "EDGE3 0 1 1 2 3 0.3 -0.8 2.5 ";
-  // A diagonal square root, and its square.
+  // A diagonal square root, as iSAM has it, and its square, as TORO has it.
   const auto isam = std::get<Log<3>>(
       read_edge_text(TextScanner("a", edge + "1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6\n"), kIsamPlane, &kIsamSpace, {})
           .value());
@@ -86,8 +86,9 @@ TEST(Toro, NamesThePlaceOfWhatIsWrong) {
             "some.graph:3:13: 'nan' stands where a number is expected");
   EXPECT_THAT(error_of(read_toro(kVertices + "EDGE2 0 1 1 2 0 1 0 -1 1 0 0\n")),
               StartsWith("some.graph:3:1: the information matrix of edge 0-1 is indefinite"));
-  EXPECT_EQ(error_of(read_toro(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n")),
-            "some.graph:3:1: the file declares vertices, but not pose 9; give the file that does, too, or --skip-undeclared");
+  EXPECT_EQ(
+      error_of(read_toro(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n")),
+      "some.graph:3:1: the file declares vertices, but not pose 9; give the file that does as FURTHER, or --skip-undeclared");
   EXPECT_EQ(error_of(read_toro(kVertices + "VERTEX2 1 0 0 0\n")),
             "some.graph:3:1: pose 1 is declared a second time; two logs in one file are to be given as two files");
   EXPECT_EQ(error_of(read_toro(kVertices + "EQUIVALENT 0 1\n")),

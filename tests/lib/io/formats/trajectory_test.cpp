@@ -36,6 +36,15 @@ TEST_F(TrajectoryTest, TumGivesTimesToTheNanosecond) {
   EXPECT_EQ(log.initial.poses[1].rotation.quaternion().x(), 1.0);
 }
 
+/// Other programs write doubles, which are a little less or a little more than the time.
+TEST_F(TrajectoryTest, TumGivesTimesToTheNearestNanosecond) {
+  const auto log = read<3>(
+      "12.000000000999999 1 2 3 0 0 0 1\n12.9999999996 4 5 6 0 0 0 1\n13.00000000149 4 5 6 0 0 0 1\n"
+      "-0.0000000015 0 0 1 0 0 0 1\n");
+  EXPECT_THAT(log.stamps_ns, ElementsAre(12'000'000'001, 13'000'000'000, 13'000'000'001, -2));
+  EXPECT_THAT(message("-9223372036.8547758085 1 2 3 0 0 0 1\n"), HasSubstr("a time in seconds is expected"));
+}
+
 TEST_F(TrajectoryTest, TumTakesTimesWithExponents) {
   EXPECT_THAT(read<3>("1.5e3 1 2 3 0 0 0 1\n").stamps_ns, ElementsAre(1500000000000));
   EXPECT_EQ(message("1e99 1 2 3 0 0 0 1\n").substr(message("1e99 1 2 3 0 0 0 1\n").find(":1:")),
@@ -55,7 +64,7 @@ TEST_F(TrajectoryTest, IsInThePlaneWhereEveryPoseIs) {
 }
 
 TEST_F(TrajectoryTest, KittiGivesTheRowsOfRotationAndTranslation) {
-  const auto log = read<3>("1 0 0 7 0 0 -1 8 0 1 0 9\n");  // A quarter turn about x.
+  const auto log = read<3>("1 0 0 7 0 0 -1 8 0 1 0 9\n");  // a quarter turn about x
   EXPECT_EQ(log.initial.poses[0].translation, Point<3>(7, 8, 9));
   const RotationVector<3> quarter(0.5 * std::numbers::pi, 0.0, 0.0);
   EXPECT_LE((log.initial.poses[0].rotation.log() - quarter).norm(), 1e-15);

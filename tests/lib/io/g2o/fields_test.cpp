@@ -7,7 +7,7 @@
 namespace mapjoin {
 namespace {
 
-/// The paper's residual X̂ - H(X) where the true relative pose is `relative`.
+/// The paper's residual X̂ - H(X) for the true relative pose `relative`.
 template <int Dim>
 PoseVector<Dim> paper_residual(const Pose<Dim>& measured, const Pose<Dim>& relative) {
   PoseVector<Dim> r;
@@ -15,7 +15,7 @@ PoseVector<Dim> paper_residual(const Pose<Dim>& measured, const Pose<Dim>& relat
   return r;
 }
 
-/// g2o's error Z⁻¹ X_b⁻¹ X_t, in space with the vector part of the quaternion.
+/// The error of g2o, Z⁻¹ X_b⁻¹ X_t, with a rotation vector or, in space, the vector part of the quaternion.
 template <int Dim>
 PoseVector<Dim> g2o_error(const Pose<Dim>& measured, const Pose<Dim>& relative, RotationInformation rotation) {
   const Pose<Dim> E = compose(inverse(measured), relative);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The public g2o files: counts and chi2 as their README gives them, and the fixed point of writing.
+// Public g2o files: counts and chi2 as their README gives them, and the fixed point of writing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,15 +18,15 @@ struct Graph {
   std::string file;
   int dimension;
   std::size_t poses, features, edges, observations;
-  std::optional<double> chi2;        ///< In g2o's error, at the stored vertices.
-  double relative_precision = 1e-6;  ///< Half a digit of what the README prints.
+  std::optional<double> chi2;        ///< chi2 of g2o's error, at the stored vertices.
+  double relative_precision = 1e-6;  ///< Precision of chi2 in the README.
 };
 
 std::ostream& operator<<(std::ostream& out, const Graph& graph) {
   return out << graph.file;
 }
 
-/// g2o's error Z⁻¹ X_b⁻¹ X_t; in space the vector part of its quaternion.
+/// The error of g2o, Z⁻¹ X_b⁻¹ X_t; in space with the vector part of its quaternion.
 PoseVector<2> g2o_error(const Pose<2>& Z, const Pose<2>& b, const Pose<2>& t) {
   const Pose<2> E = compose(inverse(Z), compose(inverse(b), t));
   return {E.translation.x(), E.translation.y(), wrap_angle(E.rotation.angle())};
@@ -37,7 +37,7 @@ PoseVector<3> g2o_error(const Pose<3>& Z, const Pose<3>& b, const Pose<3>& t) {
   return (PoseVector<3>() << E.translation, q.w() < 0.0 ? Vector<3>(-q.vec()) : Vector<3>(q.vec())).finished();
 }
 
-/// chi2 at the file's values, of information matrices that were read as they are.
+/// The chi2 of g2o's error at the values of the file; the information matrices must have been read as they are.
 template <int Dim>
 double g2o_chi2(const Log<Dim>& log) {
   const auto pose = [&](PoseIndex i) -> const Pose<Dim>& { return log.initial.poses.at(i.position()); };

@@ -68,8 +68,9 @@ TEST(G2o, FixesSeveralPosesOnOneLineAndNamesAWordThatIsNone) {
 }
 
 TEST(G2o, AnInformationMatrixPassesAsItIsTurned) {
-  // By the quaternion the rotational part counts a quarter, of which the negative eigenvalue is too much.
-  const std::string edge = "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 -9e-10 0 0 0 0 0 1e-3 0 0 0 0 1e-3 0 0 0 1 0 0 1 0 1\n";
+  // The negative eigenvalue is rounding beside the largest entry, 1, but not beside 0.25, as which the quaternion counts
+  // rotations.
+  const std::string edge = "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 -9e-14 0 0 0 0 0 1e-3 0 0 0 0 1e-3 0 0 0 1 0 0 1 0 1\n";
   EXPECT_EQ(message(edge), "");
   EXPECT_THAT(message(edge, {.rotation_information = RotationInformation::kQuaternion}), HasSubstr("is indefinite"));
 }
@@ -85,7 +86,7 @@ TEST(G2o, ReadsEveryTagOfSpaceAndAppliesSensorOffsetsGivenLater) {
       "PARAMS_CAMERACALIB 5 nobody names this\n"
       "PARAMS_SE3OFFSET 3 10 20 30 0 0 0.7071067811865476 0.7071067811865476\n");
   const auto& observation = log.observations()[0];
-  // A quarter turn about z: the sensor's x is the robot's y, its y the robot's -x.
+  // The sensor is turned by a quarter about z: its x is the robot's y, its y the robot's -x.
   EXPECT_TRUE(observation.measured.isApprox(Point<3>(10 - 1, 20 + 2, 30 + 3), 1e-15));
   EXPECT_TRUE(observation.information.isApprox(Vector<3>(2, 1, 3).asDiagonal().toDenseMatrix(), 1e-15));
   EXPECT_TRUE(log.odometry()[0].measured.rotation.quaternion().coeffs().isApprox(Vector<4>(0, 0, 0.6, 0.8), 1e-15));
@@ -118,7 +119,7 @@ TEST(G2o, NamesTheLineAndColumnOfAMalformedNumber) {
 }
 
 TEST(G2o, ReadsALongFileInPiecesAndNamesTheFirstFaultOfSeveral) {
-  // Some megabytes: more than are read at once.
+  // Some megabytes, many times what is read at once.
   std::vector<std::string> lines;
   for (int k = 0; k < 100000; ++k) {
     lines.push_back("EDGE_SE2 " + std::to_string(k) + " " + std::to_string(k + 1) + " 1.0000000000001 0.5 0.1 1 0 0 1 0 1\n");
@@ -167,12 +168,15 @@ TEST(G2o, RefusesToMixDimensions) {
 TEST(G2o, NamesAnEdgeToAnIdThatNoVertexDeclares) {
   const std::string vertices = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_XY 5 1 1\n";
   EXPECT_EQ(message(vertices + kEdge2), "");
-  EXPECT_EQ(message(vertices + kEdge2 + "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"),
-            "some.g2o:5:1: the file declares vertices, but not pose 2; give the file that does, too, or --skip-undeclared");
-  EXPECT_EQ(message(vertices + "EDGE_SE2_XY 1 6 1 0 1 0 1"),
-            "some.g2o:4:1: the file declares vertices, but not feature 6; give the file that does, too, or --skip-undeclared");
-  EXPECT_EQ(message("EDGE_SE2_XY 7 5 1 0 1 0 1\n" + vertices),
-            "some.g2o:1:1: the file declares vertices, but not pose 7; give the file that does, too, or --skip-undeclared");
+  EXPECT_EQ(
+      message(vertices + kEdge2 + "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"),
+      "some.g2o:5:1: the file declares vertices, but not pose 2; give the file that does as FURTHER, or --skip-undeclared");
+  EXPECT_EQ(
+      message(vertices + "EDGE_SE2_XY 1 6 1 0 1 0 1"),
+      "some.g2o:4:1: the file declares vertices, but not feature 6; give the file that does as FURTHER, or --skip-undeclared");
+  EXPECT_EQ(
+      message("EDGE_SE2_XY 7 5 1 0 1 0 1\n" + vertices),
+      "some.g2o:1:1: the file declares vertices, but not pose 7; give the file that does as FURTHER, or --skip-undeclared");
 }
 
 TEST(G2o, NamesAVertexDeclaredTwice) {

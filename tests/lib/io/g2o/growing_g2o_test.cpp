@@ -18,7 +18,7 @@ class GrowingG2oTest : public ::testing::Test {
   void append(const std::string& text) const { std::ofstream(path_, std::ios::app) << text; }
   GrowingG2o open() const { return GrowingG2o::open(path_, {}).value(); }
 
-  /// How many edges and observations have come.
+  /// The number of edges and observations that have come.
   static std::size_t count(const Expected<std::optional<AnyLog>>& news) {
     if (!news.value()) return 0;
     const auto count_in = [](const auto& log) { return log.edges().size() + log.observations().size(); };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What files of other programs have that a log has no place for: passed over, refused with the option that goes on, or left out
-// and counted where that is asked for.
+// Lines in files of other programs that a log has no place for: passed over, refused with the option that goes on, or left out
+// and counted if that is asked for. Priors of poses, features and sensors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -124,9 +124,8 @@ TEST(WildG2o, PositionsInSpaceAreMeasuredAlone) {
   EXPECT_THAT(log.feature_priors(), SizeIs(1));
 }
 
-/// The residual of the sensor's pose weighed by the line's matrix is that of the robot's weighed by the turned one, to the
-/// first order.
 TEST(WildG2o, ThePriorOfASensorBecomesThatOfItsRobot) {
+  // The cost of the robot's pose is, to first order, that of the sensor's pose weighted by the matrix in the file.
   const std::string weights = " 10 0 0 0 1 0 20 0 0 0 0 30 0 0 0 40 0 0 50 0 60\n";
   const auto prior = read_space(kOffset + kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + weights).pose_priors()[0];
   const auto plain =

@@ -8,6 +8,7 @@
 #include <string>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
+#include <tests/support/same_log.hpp>
 #include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin {
@@ -53,17 +54,14 @@ TYPED_TEST(G2oWriterTest, BringsBackEveryBitOfALog) {
   for (const bool with_vertices : {false, true}) {
     const auto log = this->finish(this->some_log(with_vertices));
     const auto again = this->read(this->written(log));
-    EXPECT_EQ(again.poses, log.poses);
-    EXPECT_EQ(again.features, log.features);
     ASSERT_EQ(again.odometry().size(), 2u);
     ASSERT_EQ(again.closures().size(), 1u);
-    EXPECT_EQ(again.odometry()[1].information, log.odometry()[1].information);
-    EXPECT_EQ(again.odometry()[1].measured.rotation.matrix(), log.odometry()[1].measured.rotation.matrix());
-    EXPECT_EQ(again.closures()[0].measured.translation, log.closures()[0].measured.translation);
     ASSERT_EQ(again.observations().size(), 3u);
-    EXPECT_EQ(again.observations()[2].measured, log.observations()[2].measured);
-    EXPECT_EQ(again.observations()[2].information, log.observations()[2].information);
+    testing::expect_same_log(log, again);
     ASSERT_EQ(again.initial.poses.size(), log.initial.poses.size());
+    for (const PoseIndex p : indices(log.initial.poses)) {
+      testing::expect_same_value(log.initial.poses[p], again.initial.poses[p], 0.0);
+    }
     EXPECT_EQ(again.initial.features, log.initial.features);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The public local-map sets: MAT and text agree, and chi2 is what was computed of them elsewhere.
+// Public sets of local maps: MAT files agree with text, and chi2 with the value of another program.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -20,7 +20,7 @@ SubmapSet<Dim> read(const std::filesystem::path& path) {
   return std::get<SubmapSet<Dim>>(*set);
 }
 
-/// Entries of W relative to its diagonal, states absolutely.
+/// Expects the same estimates, and the same W up to rounding relative to its diagonal.
 template <int Dim>
 void expect_equal(const LocalMap<Dim>& a, const LocalMap<Dim>& b) {
   ASSERT_EQ(a.base, b.base);
@@ -41,7 +41,7 @@ void expect_equal(const SubmapSet<Dim>& a, const SubmapSet<Dim>& b) {
   for (std::size_t k = 0; k < a.graph.submaps.size(); ++k) expect_equal(a.graph.submaps[k], b.graph.submaps[k]);
 }
 
-/// Of the maps laid end to end, each feature where the first map that knows it has it.
+/// The chi2 of the maps laid end to end, each feature where the first map that has it puts it.
 double composed_chi2(const SubmapSet<2>& set) {
   Table<PoseIndex, Pose<2>> poses(set.poses.size());
   std::map<FeatureIndex, Point<2>> features;
@@ -133,7 +133,7 @@ TEST(LocalMapSetData, VictoriaParkIn6898MapsIsTheCleanData) {
       at = static_cast<Eigen::Index>(3 + 2 * i);
     }
     const Eigen::Index n = P.rows();
-    // In two steps the clean data have 1e-6 more on the variances of the motion than the maps.
+    // Two steps of the clean data have variances of the motion that are larger than those of the maps by 1e-6.
     if (row[0] == 1.0 && (k == 3717 || k == 6778)) P.diagonal().array() -= 1e-6;
     ASSERT_LT((map.information.block(at, at, n, n) * P - Eigen::MatrixXd::Identity(n, n)).norm(), 1e-9) << row;
   }

@@ -25,7 +25,7 @@ struct Row {
   double value;
 };
 
-/// Linear SLAM's text of map `number`.
+/// The text of map `number` in the format of Linear SLAM.
 std::string text_map(int number, const std::vector<Row>& state, const Eigen::MatrixXd& information) {
   std::string text = fmt::format("{}\n{}\n", number - 1, state.size());
   for (const Row& row : state) text += fmt::format("{} {}\n", row.id, row.value);
@@ -36,7 +36,7 @@ std::string text_map(int number, const std::vector<Row>& state, const Eigen::Mat
   return text;
 }
 
-/// The authors' MAT file.
+/// Writes a map as a MAT file in the authors' format.
 void write_mat_map(const fs::path& path, const std::vector<Row>& state, Eigen::MatrixXd covariance) {
   const std::size_t n = state.size();
   Eigen::MatrixXd rows(n, 2);
@@ -151,7 +151,7 @@ TEST_F(LocalMapSetTest, AZeroCovarianceWithMotionIsNotPositiveDefinite) {
   EXPECT_THAT(error(), HasSubstr("localmap_1.mat: the covariance of map 1 is not positive definite"));
 }
 
-/// The state x y z a b c and one feature.
+/// A state of an end pose x y z a b c and one feature.
 std::vector<Row> space(std::int64_t id, const Vector<9>& x) {
   std::vector<Row> state;
   for (int i = 0; i < 9; ++i) state.push_back({i < 6 ? id : 12, x[i]});

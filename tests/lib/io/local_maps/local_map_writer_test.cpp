@@ -21,7 +21,7 @@ class LocalMapWriterTest : public ::testing::Test {
  protected:
   static constexpr int kDim = Dimension::value;
 
-  /// From pose k to pose k + 1, with two features.
+  /// A local map from pose k to pose k + 1, with two features.
   LocalMap<kDim> map(PoseIndex k) {
     LocalMap<kDim> map;
     map.base = k;
@@ -35,7 +35,7 @@ class LocalMapWriterTest : public ::testing::Test {
     map.information = (0.5 * (map.information + map.information.transpose())).eval();
     return map;
   }
-  /// The maps written and read back, which is over the same features.
+  /// The maps, over the features `features`, written and read back.
   SubmapSet<kDim> again(const std::vector<LocalMap<kDim>>& maps, LocalMapFormat format) {
     names = write_local_maps(maps, features, format, folder.path()).value();
     return std::get<SubmapSet<kDim>>(read_local_map_set(folder.path()).value());

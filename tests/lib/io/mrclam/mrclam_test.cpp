@@ -64,11 +64,11 @@ TEST_F(MrclamTest, TurnsRangesAndBearingsToPositions) {
 TEST_F(MrclamTest, GivesMotionTheNoiseOfItsTime) {
   const Log<2> log = read();
   const MrclamNoise noise;
-  // Two seconds, in which the heading's error moves the robot only while it goes straight: to first order P is known.
+  // One second at rest and one straight ahead: the error of the heading moves the robot in the latter alone.
   const Matrix<3> P = log.odometry()[1].information.inverse();
   EXPECT_NEAR(P(0, 0), 2.0 * noise.forward * noise.forward, 1e-12);
   EXPECT_NEAR(P(2, 2), 2.0 * noise.turn * noise.turn, 1e-12);
-  EXPECT_NEAR(P(1, 2), noise.turn * noise.turn, 1e-12);  // One second of turning error before one metre.
+  EXPECT_NEAR(P(1, 2), noise.turn * noise.turn, 1e-12);  // one second of turning error before one metre
 }
 
 TEST_F(MrclamTest, LeavesOutUnknownRobotsAndBarcodesAndWhatCameTooEarly) {
@@ -160,7 +160,7 @@ TEST_F(MrclamTest, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(message(), EndsWith(": the log has no poses"));
 }
 
-/// The first numbers of every line, by the first of all.
+/// The lines of a table: the numbers after the first one, by the first one.
 template <int Size>
 std::map<double, Vector<Size>> table_in(const std::filesystem::path& path) {
   const auto bytes = FileBytes::read(path).value();

@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Of ten maps, with something in every array.
+/// Writes a store of ten maps, none of whose arrays is empty.
 void write_store(const std::filesystem::path& path) {
   testing::Random random;
   testing::build_store(path, testing::random_stored_maps<2>(random, 10));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What else may stand where a store is read or built.
+// Files other than a sound, finished store where one is read or built.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class StoreFileTest : public testing::StoreTest<std::integral_constant<int, 2>> 
     const auto stored = read();
     return stored ? "no error" : stored.error().message;
   }
-  /// The error of a store with this change made to it.
+  /// The error of reading the store with this change made to it.
   std::string error_after(const std::string& sql) {
     const std::string before = testing::bytes_of(path);
     execute_sql(path, sql);
@@ -74,7 +74,7 @@ TEST_F(StoreFileTest, ACutLosesNothingUnnoticed) {
   const std::string whole = testing::bytes_of(path);
   for (std::size_t size = 0; size < whole.size(); size += 997) {
     folder.file("maps.mapjoin", whole.substr(0, size));
-    // Behind the last content there may be unused bytes.
+    // Bytes behind the last content may be unused.
     if (const auto stored = read()) expect_same(*stored, maps);
   }
   folder.file("maps.mapjoin", whole.substr(0, whole.size() / 2));
@@ -163,7 +163,7 @@ TEST_F(StoreFileTest, ABuildThatWasKilledInTheMidstOfABatchIsNotRead) {
   if (child == 0) {
     sqlite3* database = nullptr;
     sqlite3_open(path.c_str(), &database);
-    // A cache of one page, and values of many: what is not committed goes into the file.
+    // With a cache of one page and values of many, data that are not committed go into the file.
     const char* sql = "PRAGMA cache_size = 1; BEGIN; UPDATE maps SET information = zeroblob(1000000)";
     sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
     kill(getpid(), SIGKILL);
@@ -179,7 +179,7 @@ TEST_F(StoreFileTest, OneBuildAtATime) {
   const auto second = StoreWriter<2>::open(path, maps.log, maps.segments, maps.options);
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().message, HasSubstr("maps.mapjoin.partial: another process is writing it"));
-  path = partial;  // Nor is it read.
+  path = partial;  // to read the unfinished store
   EXPECT_THAT(error(), HasSubstr("maps.mapjoin.partial: another process is writing it"));
 }
 

@@ -15,10 +15,10 @@
 
 namespace mapjoin::testing {
 
-/// Of a store that is built (bytes).
+/// The page size of stores (bytes).
 inline constexpr std::size_t kStorePage = 4096;
 
-/// Goes on from what is done; `after` is called with the number of maps done after every one.
+/// Builds a store, or goes on with an unfinished one; calls `after` with the number of maps done after each.
 template <int Dim>
 void build_store(const std::filesystem::path& path, const StoredMaps<Dim>& maps,
                  const std::function<void(std::size_t)>& after = {}) {
@@ -37,7 +37,7 @@ std::size_t maps_done(const std::filesystem::path& path, const StoredMaps<Dim>& 
   return StoreWriter<Dim>::open(path, maps.log, maps.segments, maps.options)->done().size();
 }
 
-/// Of dimension D::value.
+/// A folder for a store of dimension D::value, which is read from there.
 template <typename D>
 class StoreTest : public ::testing::Test {
  protected:

@@ -96,7 +96,7 @@ TYPED_TEST(StoreTest, ASegmentThatDidNotDetermineItsMapIsReadAsASpan) {
 }
 
 TYPED_TEST(StoreTest, TheFirstOfManyMapsThatIsDamagedIsNamed) {
-  const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 40, 50);  // large ones
+  const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 40, 50);  // large maps
   build_store(this->path, maps);
   for (const int segment : {39, 3}) {
     execute_sql(this->path, fmt::format("UPDATE maps SET information = x'00' WHERE segment = {}", segment));
@@ -192,6 +192,20 @@ TYPED_TEST(StoreTest, AShareOfTheMapsIsOneOfSoMany) {
   EXPECT_THAT(this->read().error().message, HasSubstr("damaged store: info part makes no sense"));
   execute_sql(this->path, "DELETE FROM info WHERE key = 'part'");
   EXPECT_TRUE(this->read()->share.is_whole());
+}
+
+TYPED_TEST(StoreTest, SaysThatFeaturesAreSharedWhereTheUserDid) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = random_stored_maps<kDim>(this->random, 0);
+  const auto write = [&](bool are_shared) {
+    auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.segments, maps.options, {}, {}, are_shared);
+    ASSERT_TRUE(writer && writer->finish());
+    EXPECT_EQ(this->read()->features_are_shared, are_shared);
+  };
+  write(false);
+  write(true);
+  execute_sql(this->path, "UPDATE info SET value = 'own' WHERE key = 'features'");
+  EXPECT_THAT(this->read().error().message, HasSubstr("damaged store: info features makes no sense"));
 }
 
 TYPED_TEST(StoreTest, MapsAreAddedInOrderAndAllOfThem) {

@@ -14,7 +14,7 @@ namespace {
 using testing::Random;
 using testing::TemporaryFolder;
 
-/// Maps of successive poses, the last of which does not move: it starts and ends at one pose.
+/// Maps between successive poses; the last one does not move: it starts and ends at one pose.
 template <int Dim>
 SubmapSet<Dim> random_submap_set(Random& random) {
   SubmapSet<Dim> set;
@@ -44,7 +44,8 @@ TYPED_TEST(StoreSubmapSet, GivesBackTheMapsOfOthersAsTheyWere) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "store";
   Random random;
-  const SubmapSet<kDim> set = random_submap_set<kDim>(random);
+  SubmapSet<kDim> set = random_submap_set<kDim>(random);
+  set.features_are_shared = true;
   ASSERT_TRUE(write_store(set, path));
 
   const auto opened = open_maps(path);
@@ -56,6 +57,7 @@ TYPED_TEST(StoreSubmapSet, GivesBackTheMapsOfOthersAsTheyWere) {
   EXPECT_EQ(back.segments, set.segments);
   EXPECT_TRUE(testing::same(back.graph.submaps, set.graph.submaps));
   EXPECT_EQ(back.conventions.repairs.indefinite, 3);
+  EXPECT_TRUE(back.features_are_shared);
 }
 
 TYPED_TEST(StoreSubmapSet, IsOneWithoutAnyObservation) {

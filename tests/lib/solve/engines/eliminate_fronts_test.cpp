@@ -16,7 +16,7 @@ using testing::dense;
 using testing::grid_system;
 using testing::Random;
 
-/// L Lᵀ of fronts that were eliminated from such a matrix.
+/// The product L Lᵀ of fronts that were eliminated from a matrix with the block sizes of `matrix`.
 Eigen::MatrixXd product(const EliminatedFronts& fronts, const BlockLower& matrix) {
   Eigen::MatrixXd L = Eigen::MatrixXd::Zero(matrix.size(), matrix.size());
   for (std::size_t n = 0; n < fronts.tree.nodes.size(); ++n) {

@@ -22,7 +22,7 @@ using testing::dense;
 using testing::grid_system;
 using testing::Random;
 
-/// A random graph of blocks, as poses (of `pose` entries) and features (of `feature`) make them: Σ JᵀJ of random pairs.
+/// A random system of blocks, as of poses (of `pose` entries) and features (of `feature` entries): Σ JᵀJ over random pairs.
 BlockLower random_system(Eigen::Index pose, Eigen::Index feature, std::size_t blocks, Random& random) {
   std::vector<Eigen::Index> dofs;
   std::vector<Eigen::Index> offsets{0};
@@ -43,7 +43,7 @@ BlockLower random_system(Eigen::Index pose, Eigen::Index feature, std::size_t bl
   return testing::sparse(A, dofs);
 }
 
-/// Takes all that measures one entry out of a matrix.
+/// Zeroes the row and the column of one entry of a matrix, as if nothing measured it.
 void free_entry(BlockLower& matrix, Eigen::Index entry) {
   for (const Column k : matrix.columns()) {
     Eigen::Index at = 0;
@@ -154,7 +154,8 @@ INSTANTIATE_TEST_SUITE_P(Every, EnginesTest, ::testing::ValuesIn(every_engine())
                          [](const auto& info) { return to_string(info.param); });
 
 TEST(Cholmod, StartsNoThreads) {
-  const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);  // whose threads start some time later
+  // One thread only: those of TBB would start some time later, and be counted.
+  const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
   Random random;
   const BlockLower matrix = grid_system(90, random);
   const auto cholmod = make_solver(Engine::kCholmod);
@@ -182,8 +183,8 @@ TEST(Cholmod, WorksWithoutItsSupernodalPart) {
   EXPECT_EQ(simplicial.factorise(singular), std::vector<std::int64_t>{100});
 }
 
-/// Observations of differences alone: each of the three parts that hang together is free to move as a whole.
 TEST(Fronts, SpanTheNullSpaceOfASingularMatrix) {
+  // Observations of differences alone: each of three connected components is free to move as a whole.
   Random random;
   const Eigen::Index blocks = 120;
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6 * blocks, 3 * blocks);
@@ -199,14 +200,16 @@ TEST(Fronts, SpanTheNullSpaceOfASingularMatrix) {
   const BlockLower matrix = testing::sparse(J.transpose() * J, std::vector<Eigen::Index>(blocks, 3));
   SparseCholesky fronts;
   fronts.analyse(matrix);
-  const Eigen::MatrixXd N = fronts.null_space(fronts.factorise(matrix));
+  const auto singular = fronts.factorise(matrix);
+  EXPECT_EQ(fronts.null_space(4).cols(), 4);
+  const Eigen::MatrixXd N = fronts.null_space(singular.size());
   ASSERT_EQ(N.cols(), 9);
   EXPECT_EQ(N.fullPivLu().rank(), 9);
   EXPECT_LT((J * N).norm(), 1e-6 * N.norm());
 }
 
-/// A wide front: tiles, of which some have singular columns.
 TEST(Fronts, LeaveSingularColumnsOut) {
+  // A wide front of several tiles, some of which have singular columns.
   Random random;
   Eigen::MatrixXd J(700, 600);
   for (auto& entry : J.reshaped()) entry = random.uniform(-1.0, 1.0);
@@ -220,7 +223,7 @@ TEST(Fronts, LeaveSingularColumnsOut) {
   fronts.analyse(matrix);
   const auto singular = fronts.factorise(matrix);
   EXPECT_EQ(singular, (std::vector<std::int64_t>{100, 101, 400, 590}));
-  // A consistent system is solved nevertheless, what nothing determines staying at zero.
+  // A consistent system is solved nevertheless; variables that nothing determines stay at zero.
   const Eigen::VectorXd b = A * Eigen::VectorXd::LinSpaced(600, -1.0, 1.0);
   const Eigen::VectorXd x = fronts.solve(b);
   EXPECT_LT((A * x - b).norm(), 1e-7 * b.norm());

@@ -4,7 +4,7 @@
 #include <limits>
 #include <mapjoin/solve/engines/frontal_matrix.hpp>
 
-extern "C" {  // Null where the BLAS is not OpenBLAS.
+extern "C" {  // Null if the BLAS is not OpenBLAS.
 [[gnu::weak]] int openblas_get_num_threads();
 [[gnu::weak]] void openblas_set_num_threads(int);
 }

@@ -21,7 +21,7 @@ using testing::grid_system;
 using testing::Random;
 using testing::sparse;
 
-/// A banded positive definite matrix with a few far couplings.
+/// A sparse positive definite matrix: three observations from each column of itself, the next column and one far away.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Random& random) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
   for (Eigen::Index k = 0; k < 3 * n; ++k) {
@@ -102,7 +102,7 @@ TEST(SparseCholesky, SolvesSystemsOfBlocksLikeTheDenseOne) {
 }
 
 TEST(SparseCholesky, FactorisesWideFrontsByTiles) {
-  // 450 columns that all depend on each other: three tiles, the last one narrow.
+  // One front of 450 columns: three tiles, the last one narrow.
   Random random;
   Eigen::MatrixXd A = 450.0 * Eigen::MatrixXd::Identity(450, 450);
   for (Eigen::Index j = 0; j < 450; ++j) {
@@ -186,7 +186,7 @@ TEST(SparseCholesky, NamesTheColumnWhosePivotIsZero) {
 }
 
 TEST(SparseCholesky, NamesAColumnThatHasLostItsDigitsToCancellation) {
-  // Columns 2 and 4 measure the same thing: exactly singular but for rounding.
+  // Columns 2 and 4 are multiples of each other but for rounding.
   Eigen::MatrixXd A = Eigen::MatrixXd::Identity(6, 6);
   A(2, 2) = 0.1 * 0.1 * 1e6;
   A(2, 4) = A(4, 2) = 0.1 * 0.3 * 1e6;
@@ -200,7 +200,7 @@ TEST(SparseCholesky, APivotHasLostItsDigitsBelowAHundredTrillionthOfItsDiagonal)
   for (const auto& [left, is_singular] : {std::pair{5e-15, true}, {2e-14, false}}) {
     Eigen::MatrixXd A = Eigen::MatrixXd::Identity(4, 4);
     A(1, 3) = A(3, 1) = 1.0;
-    A(3, 3) = 1.0 + left;  // of which the pivot is left
+    A(3, 3) = 1.0 + left;  // leaves a pivot of `left`
     SparseCholesky cholesky;
     cholesky.analyse(sparse(A));
     EXPECT_EQ(!cholesky.factorise(sparse(A)).empty(), is_singular) << left;

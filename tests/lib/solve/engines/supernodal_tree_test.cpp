@@ -14,7 +14,7 @@ namespace {
 using testing::grid_system;
 using testing::Random;
 
-/// Block rows below the diagonal of every column of L, by eliminating one column after the other.
+/// The block rows below the diagonal in each column of L, by eliminating one column after the other.
 Table<Column, std::set<Column>> rows_of_factor(const BlockLower& A) {
   Table<Column, std::set<Column>> below(A.rows.size());
   for (const Column k : A.columns()) below[k].insert(A.rows[k].begin() + 1, A.rows[k].end());
@@ -60,7 +60,7 @@ TEST_P(SupernodalTreeTest, TakesFewZerosAlong) {
     for (const Column row : below[k]) rows += A.dof(row);
     entries += rows * A.dof(k);
   }
-  // Panels are rectangles: what is above their diagonal is nothing, too.
+  // Panels are rectangles, which hold zeros above their diagonal, too.
   EXPECT_LT(tree.value_count, 2 * entries);
 }
 
@@ -68,7 +68,7 @@ TEST_P(SupernodalTreeTest, NamesTheSameRowsInTheParentsFront) {
   for (const FactorNode& node : tree.nodes) {
     if (node.parent == tree.nodes.size()) continue;
     const FactorNode& parent = tree.nodes[node.parent];
-    // Scalar rows of both fronts, by their blocks.
+    // The scalar rows of a front, with or without those of its own columns.
     const auto rows_of = [&](const FactorNode& of, bool with_own) {
       std::vector<Eigen::Index> rows;
       const auto append = [&](Column block) {
@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(Sides, SupernodalTreeTest, ::testing::Values(1, 2, 3, 1
                          [](const auto& info) { return std::to_string(info.param); });
 
 TEST(SupernodalTree, TakesAnEliminationThatIsNotPostordered) {
-  // Two chains, their columns in turns: 0-2-4-6, 1-3-5-7.
+  // Two chains with alternating columns: 0-2-4-6 and 1-3-5-7.
   Eigen::MatrixXd dense = 4.0 * Eigen::MatrixXd::Identity(8, 8);
   for (Eigen::Index i = 0; i < 6; ++i) dense(i, i + 2) = dense(i + 2, i) = 1.0;
   const BlockLower A = testing::sparse(dense);

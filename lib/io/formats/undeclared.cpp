@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/io/formats/undeclared.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// The pose or feature that a line of this tag names and no vertex declares; nullopt if none.
+template <int Dim>
+std::optional<std::string> undeclared_in(std::string_view tag, TextScanner& text, const EdgeText<Dim>& format,
+                                         const Declared& declared) {
+  const PriorTag* prior = format.prior(tag);
+  const bool is_edge = tag == format.edge_tag;
+  if (!is_edge && !prior && tag != format.observation_tag) return std::nullopt;
+  const auto pose = [&](std::uint64_t key) {
+    return declared.has_pose(key) ? std::nullopt : std::optional(to_string(PoseId{0, key}));
+  };
+  const auto feature = [&](std::uint64_t key) {
+    return declared.has_feature(key) ? std::nullopt : std::optional(to_string(FeatureId{key}));
+  };
+  const std::uint64_t first = text.key();
+  if (prior) return prior->kind == PriorTag::Kind::kFeature ? feature(first) : pose(first);
+  const std::uint64_t second = text.key();
+  if (auto missing = pose(first)) return missing;
+  return is_edge ? pose(second) : feature(second);
+}
+
+}  // namespace
+
+template <int Dim>
+std::optional<UndeclaredName> first_undeclared(TextScanner text, const EdgeText<Dim>& format, const Declared& declared,
+                                               bool with_edges) {
+  while (text.next_line()) {
+    const std::string_view tag = text.word();
+    const Place place = text.place();
+    if (!with_edges && tag == format.edge_tag) continue;
+    if (auto name = undeclared_in(tag, text, format, declared)) return UndeclaredName{place, *std::move(name)};
+  }
+  return std::nullopt;
+}
+
+template std::optional<UndeclaredName> first_undeclared(TextScanner, const EdgeText<2>&, const Declared&, bool);
+template std::optional<UndeclaredName> first_undeclared(TextScanner, const EdgeText<3>&, const Declared&, bool);
+
+}  // namespace mapjoin

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What the lines of a text of edges name and no vertex declares.
+
+#include <cstdint>
+#include <functional>
+#include <mapjoin/io/formats/edge_text.hpp>
+#include <optional>
+#include <string>
+
+namespace mapjoin {
+
+/// The ids that vertices declare.
+struct Declared {
+  std::function<bool(std::uint64_t)> has_pose;
+  std::function<bool(std::uint64_t)> has_feature;
+};
+
+/// A pose or feature that a line names and no vertex declares, with the place of the line's tag.
+struct UndeclaredName {
+  Place place;
+  std::string name;
+};
+
+/// The first such pose or feature in a text at its start; nullopt if there is none. Edges between poses are passed over unless
+/// `with_edges`.
+template <int Dim>
+std::optional<UndeclaredName> first_undeclared(TextScanner text, const EdgeText<Dim>& format, const Declared& declared,
+                                               bool with_edges);
+
+}  // namespace mapjoin
