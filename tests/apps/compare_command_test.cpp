@@ -188,7 +188,8 @@ TEST_F(Compare, ShowsHowFarTheJoinIsThatTellsWhetherFeaturesAreShared) {
   const std::string log = kSmallLog + "EDGE_SE2_XY 0 8 1 -1 1 0 1\nEDGE_SE2_XY 2 8 -1 -1 1 0 1\n";
   const std::string a = folder_->file("a.g2o", log).string();
   const std::string b = folder_->file("b.g2o", log).string();
-  Process process({"script", "-qec", kCommand + " compare " + a + " " + b + " --poses-per-map 2", "/dev/null"}, {});
+  Process process({"script", "-qec", kCommand + " compare " + a + " " + b + " --keep-copies --poses-per-map 2", "/dev/null"},
+                  {});
   EXPECT_EQ(process.wait(), 0) << process.standard_output();
   EXPECT_THAT(process.standard_output(), HasSubstr("\rcovariances")) << "of its verdict, which no case has";
 }

@@ -56,7 +56,7 @@ TEST_F(ErrorCommand, KnowsThePosesInTheFolderOfARunByTheNamesOfItsLogs) {
   const std::string text = kSmallLog + "EDGE_SE2_XY 0 8 3 -2 1 0 1\n";
   const std::string one = folder.file("one.g2o", text).string();
   const std::string two = folder.file("two.g2o", text).string();
-  ASSERT_EQ(call({"run", one, two, "--features", "shared", "-o", run, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"run", one, two, "--features", "shared", "--keep-copies", "-o", run, "--quiet"}).exit_code, 0);
   EXPECT_EQ(errors({"error", run, run + "/poses.csv"})["ate"]["translation"]["count"], 6);
   EXPECT_EQ(errors({"error", run + "/poses.csv", run})["ate"]["translation"]["count"], 6);
   const auto again = errors({"run", one, two, "--features", "shared", "-o", run + ".g2o", "--truth", run});

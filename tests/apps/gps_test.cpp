@@ -106,8 +106,8 @@ TEST_F(GpsCommand, RobustTakesSessionsThatOnlyFixesTie) {
   }
   const std::string both = folder.file("both.csv", text).string();
   const std::string other = folder.file("other.g2o", bytes_of(log)).string();
-  const auto report =
-      report_of({"run", log, other, "--features", "own", "--gps", both, "--gps-lever", "3.8,0.5", "--robust", "-o", out});
+  const auto report = report_of({"run", log, other, "--features", "own", "--keep-copies", "--gps", both, "--gps-lever",
+                                 "3.8,0.5", "--robust", "-o", out});
   EXPECT_EQ(report["sessions"], 2);
   EXPECT_EQ(report["gps"]["rejected"], 16);
   EXPECT_EQ(report["verdict"], "fits");

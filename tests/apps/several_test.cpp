@@ -212,7 +212,7 @@ TEST_F(SeveralInputs, ACopyIsRefusedWhateverItsName) {
   std::vector<std::string> sets;
   for (const char* name : {"set", "same"}) {
     sets.push_back((folder.path() / name).string());
-    ASSERT_EQ(call({"convert", store, sets.back(), "--to", "maps-text"}).exit_code, 0);
+    ASSERT_EQ(call({"convert", store, sets.back(), "--to", "maps-mat"}).exit_code, 0);
   }
   const Ended ended = call({"join", sets[0], sets[1]});
   EXPECT_EQ(ended.exit_code, 2);

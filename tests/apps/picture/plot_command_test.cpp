@@ -179,10 +179,10 @@ TEST_F(Plot, TheFolderOfARunOfSeveralSessionsIsReadByTheNamesOfTheirLogs) {
   // The ids of the second session are lower than those of the first, then the same: in a g2o file they are others.
   const std::string low = log_from("low.g2o", 0);
   for (const auto& [a, b] : {std::pair(log_from("high.g2o", 1000), low), {low, log_from("same.g2o", 0)}}) {
-    ASSERT_EQ(
-        call({"run", a, b, "--features", "shared", "-o", path("run"), "--covariances", "--robust", "--poses-per-map", "5"})
-            .exit_code,
-        0);
+    ASSERT_EQ(call({"run", a, b, "--features", "shared", "--keep-copies", "-o", path("run"), "--covariances", "--robust",
+                    "--poses-per-map", "5"})
+                  .exit_code,
+              0);
     const Ended ended = call({"plot", path("run"), "-o", path("plot.svg")});
     EXPECT_EQ(ended.exit_code, 0) << ended.err;
     EXPECT_THAT(ended.out, HasSubstr("42 poses, 11 features, 8 local maps"));
