@@ -59,7 +59,7 @@ TEST_F(ErrorCommand, KnowsThePosesInTheFolderOfARunByTheNamesOfItsLogs) {
   ASSERT_EQ(call({"run", one, two, "--features", "shared", "--keep-copies", "-o", run, "--quiet"}).exit_code, 0);
   EXPECT_EQ(errors({"error", run, run + "/poses.csv"})["ate"]["translation"]["count"], 6);
   EXPECT_EQ(errors({"error", run + "/poses.csv", run})["ate"]["translation"]["count"], 6);
-  const auto again = errors({"run", one, two, "--features", "shared", "-o", run + ".g2o", "--truth", run});
+  const auto again = errors({"run", one, two, "--features", "shared", "--keep-copies", "-o", run + ".g2o", "--truth", run});
   EXPECT_EQ(again["ate"]["translation"]["count"], 6);
 }
 

@@ -208,7 +208,7 @@ TEST_F(SeveralInputs, ACopyIsRefusedWhateverItsName) {
   EXPECT_EQ(report_of({"solve", a, copy, "--keep-copies"})["poses"], 1000);
 
   const std::string store = (folder.path() / "a.maps").string();
-  ASSERT_EQ(call({"build", a, "-o", store}).exit_code, 0);
+  ASSERT_EQ(call({"build", a, "-o", store, "--poses-per-map", "25"}).exit_code, 0);
   std::vector<std::string> sets;
   for (const char* name : {"set", "same"}) {
     sets.push_back((folder.path() / name).string());
