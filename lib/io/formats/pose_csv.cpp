@@ -27,7 +27,7 @@ std::vector<std::string> pose_columns() {
 template <int Dim>
 bool has_poses(const std::vector<std::string>& columns) {
   const auto pose = pose_columns<Dim>();
-  return has_column(columns, "pose") && std::ranges::search(columns, pose).begin() != columns.end();
+  return has_column(columns, "pose") && std::search(columns.begin(), columns.end(), pose.begin(), pose.end()) != columns.end();
 }
 
 /// Reads a line; at the column x it reads the whole pose.
