@@ -30,8 +30,8 @@ std::vector<std::vector<Point<Dim>>> seen_at_once(std::span<const FeatureFactor<
   return sets;
 }
 
-/// The covariance of a point that is seen with the mean information of all, in a local map that on it alone; zero if that does
-/// not determine a point.
+/// The covariance of a point with the mean information of all observations and features of local maps, of these given the rest
+/// of their map; zero if that does not determine a point.
 template <int Dim>
 PointMatrix<Dim> mean_noise(std::span<const FeatureFactor<Dim>> observations, const std::vector<LocalMap<Dim>>& maps) {
   PointMatrix<Dim> information = PointMatrix<Dim>::Zero();

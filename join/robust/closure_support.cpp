@@ -259,24 +259,29 @@ double ClosureSupport<Dim>::sum_of_odds(std::optional<PoseIndex> left_out) const
 }
 
 template <int Dim>
-ClosureSupport<Dim> supported(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
-                              const std::stop_token& stop) {
-  const auto is_enough = [](const ClosureSupport<Dim>& support) {
-    return odds_of_best(support.odds(support.priors(1.0), 1.0)) > kLeastOdds;
-  };
-  ClosureSupport<Dim> shortest(chain, closures, 1, stop);
-  if (closures.empty() || shortest.compares_all() || is_enough(shortest)) return shortest;
-  for (std::int32_t reach = 2; !stop.stop_requested(); reach *= 2) {
+SupportedClosures<Dim> supported(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
+                                 const std::stop_token& stop) {
+  const auto within = [&](std::int32_t reach) {
     ClosureSupport<Dim> support(chain, closures, reach, stop);
-    if (is_enough(support)) return support;
-    if (support.compares_all()) break;
+    std::vector<PriorOdds> priors = support.priors(1.0);
+    std::vector<double> odds = support.odds(priors, 1.0);
+    return SupportedClosures<Dim>{std::move(support), std::move(priors), std::move(odds)};
+  };
+  const auto is_enough = [](const SupportedClosures<Dim>& some) { return odds_of_best(some.odds) > kLeastOdds; };
+  SupportedClosures<Dim> shortest = within(1);
+  if (closures.empty() || shortest.support.compares_all() || is_enough(shortest)) return shortest;
+  for (std::int32_t reach = 2; !stop.stop_requested(); reach *= 2) {
+    SupportedClosures<Dim> longer = within(reach);
+    if (is_enough(longer)) return longer;
+    if (longer.support.compares_all()) break;
   }
   return shortest;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)      \
-  template class ClosureSupport<Dim>; \
-  template ClosureSupport<Dim> supported(const OdometryChain<Dim>&, std::span<const PoseFactor<Dim>>, const std::stop_token&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                                         \
+  template class ClosureSupport<Dim>;                                                                    \
+  template SupportedClosures<Dim> supported(const OdometryChain<Dim>&, std::span<const PoseFactor<Dim>>, \
+                                            const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

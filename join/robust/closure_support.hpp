@@ -104,10 +104,19 @@ class ClosureSupport {
   std::vector<std::vector<Pair>> pairs_;                      // by the smaller index of the two
 };
 
-/// The support of closures by each other over loops that are just long enough for the best to be supported: longer ones in a
-/// log with many poses from closure to closure. Over the shortest ones if none do. `chain` must outlive it.
+/// The support of closures by each other, and what follows from it.
 template <int Dim>
-ClosureSupport<Dim> supported(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
-                              const std::stop_token& stop);
+struct SupportedClosures {
+  ClosureSupport<Dim> support;
+  std::vector<PriorOdds> priors;  ///< Prior odds of each closure.
+  std::vector<double> odds;       ///< Log-odds of each closure.
+};
+
+/// The support of closures over loops that are just long enough for the best to be supported: longer ones in a log with many
+/// poses from closure to closure. Over the shortest ones if none do. The odds are by covariances as they are. `chain` must
+/// outlive it.
+template <int Dim>
+SupportedClosures<Dim> supported(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
+                                 const std::stop_token& stop);
 
 }  // namespace mapjoin

@@ -53,7 +53,7 @@ std::unique_ptr<Screening<Dim>> cut_at_doubtful_steps(Log<Dim>& cut, std::vector
   for (;;) {
     if (!poses.empty()) cut = cut_before(cut, poses);
     auto screening = std::make_unique<Screening<Dim>>(cut, confidence, stop);
-    poses = doubtful_steps(screening->support);
+    poses = doubtful_steps(screening->closures.support);
     if (poses.empty()) return screening;
   }
 }
@@ -128,7 +128,7 @@ Expected<Inliers<Log<Dim>>> without_doubtful_odometry(const Log<Dim>& log, const
     auto found = search(cut, *screening);
     if (!found) return found;
     if (!found->rejected.empty()) {
-      try_steps(suspected_steps(screening->support), options.confidence, search, stop, cut, *found);
+      try_steps(suspected_steps(screening->closures.support), options.confidence, search, stop, cut, *found);
     }
     if (stop.stop_requested()) return interrupted("rejecting");
     found->input.poses = log.poses;

@@ -38,8 +38,8 @@ class InlierSearch {
         engine_(engine),
         stop_(stop),
         gates_(screening.gates),
-        priors_(screening.priors),
-        odds_(screening.odds),
+        priors_(screening.closures.priors),
+        odds_(screening.closures.odds),
         judged_{std::vector(odds_.size(), Standing::kOpen), std::vector(odds_.size(), 0.0), {}, {}},
         observations_count_(screening.observations_count) {}
 
@@ -69,12 +69,12 @@ class InlierSearch {
     std::vector<bool> are_rivals(odds_.size());
     for (std::size_t k = 0; k < odds_.size(); ++k) {
       are_kept[k] = is_kept(k);
-      are_rivals[k] = !are_kept[k] && screening_.odds[k] >= std::max(first, kLeastOdds);
+      are_rivals[k] = !are_kept[k] && screening_.closures.odds[k] >= std::max(first, kLeastOdds);
     }
     const double scale = screening_.gates.scale.closures;
-    const std::vector<std::size_t> rivals = screening_.support.set_sizes(are_rivals, scale);
+    const std::vector<std::size_t> rivals = screening_.closures.support.set_sizes(are_rivals, scale);
     const std::size_t most = rivals.empty() ? 0 : std::ranges::max(rivals);
-    const std::vector<std::size_t> kept = screening_.support.set_sizes(are_kept, scale);
+    const std::vector<std::size_t> kept = screening_.closures.support.set_sizes(are_kept, scale);
     std::vector<bool> are_doubted(odds_.size());
     for (std::size_t k = 0; k < odds_.size(); ++k) are_doubted[k] = are_kept[k] && kept[k] < most;
     const bool are_fewer = std::ranges::count(are_doubted, true) < static_cast<std::ptrdiff_t>(most);
@@ -84,7 +84,7 @@ class InlierSearch {
   /// Begins again from a map of the kept closures without the doubted ones, which are used only if nothing else connects parts
   /// of the log.
   Expected<void> begin_again_without(const std::vector<bool>& are_doubted, double first) {
-    std::vector<double> odds = screening_.odds;
+    std::vector<double> odds = screening_.closures.odds;
     std::vector<bool> are_believed(odds_.size());
     for (std::size_t k = 0; k < odds_.size(); ++k) {
       are_believed[k] = is_kept(k) && !are_doubted[k];
@@ -176,11 +176,11 @@ class InlierSearch {
   /// Finds the odds of closures by the last map and by their agreement with each other.
   void find_odds() {
     for (std::size_t k = 0; k < priors_.size(); ++k) {
-      if (!is_kept(k)) priors_[k] = screening_.support.prior(judged_.mismatches[k], gates_.scale.closures);
+      if (!is_kept(k)) priors_[k] = screening_.closures.support.prior(judged_.mismatches[k], gates_.scale.closures);
       priors_[k].is_right = is_kept(k);
       priors_[k].is_wrong = judged_.standing[k] == Standing::kDropped;
     }
-    odds_ = screening_.support.odds(priors_, gates_.scale.closures);
+    odds_ = screening_.closures.support.odds(priors_, gates_.scale.closures);
   }
 
   bool is_kept(std::size_t closure) const { return judged_.standing[closure] == Standing::kKept; }
@@ -220,10 +220,6 @@ class InlierSearch {
   std::vector<PartTest> observation_tests_;
 };
 
-}  // namespace
-
-namespace {
-
 /// The number of closures, observations and repetitions of odometry; at least 1.
 template <int Dim>
 double doubtful_count_of(const Log<Dim>& log) {
@@ -235,7 +231,7 @@ double doubtful_count_of(const Log<Dim>& log) {
 
 template <int Dim>
 Screening<Dim>::Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop)
-    : chain(log), support(supported(chain, log.closures(), stop)), doubtful_count(doubtful_count_of(log)) {
+    : chain(log), closures(supported(chain, log.closures(), stop)), doubtful_count(doubtful_count_of(log)) {
   const double tail = (1.0 - confidence) / doubtful_count;
   gates.widest = {chi_squared_upper_quantile(tail, kPoseDof<Dim>), chi_squared_upper_quantile(tail, Dim)};
   screen_closures();
@@ -244,8 +240,7 @@ Screening<Dim>::Screening(const Log<Dim>& log, double confidence, const std::sto
 
 template <int Dim>
 void Screening<Dim>::screen_closures() {
-  priors = support.priors(1.0);
-  odds = support.odds(priors, 1.0);
+  auto& [support, priors, odds] = closures;
   gates.scale.closures = support.scale(odds);
   if (gates.scale.closures < 1.0) {
     priors = support.priors(gates.scale.closures);

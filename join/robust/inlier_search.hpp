@@ -18,17 +18,15 @@ namespace mapjoin {
 template <int Dim>
 struct Screening {
   OdometryChain<Dim> chain;
-  ClosureSupport<Dim> support;
-  double doubtful_count;  ///< Number of closures, observations and repetitions of odometry; at least 1.
+  SupportedClosures<Dim> closures;  ///< Within the scale of `gates`.
+  double doubtful_count;            ///< Number of closures, observations and repetitions of odometry; at least 1.
   Gates gates;
-  std::vector<PriorOdds> priors;         ///< Prior odds of the closures.
-  std::vector<double> odds;              ///< Log-odds of the closures.
   std::vector<bool> observations_count;  ///< True if others support it, and for at least one of each feature.
   std::size_t outvoted = 0;              ///< Number of closures and observations that others are against.
 
   /// Screens a log whose odometry is believed; incomplete once a stop is requested. `confidence` as in RobustOptions.
   Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop);
-  Screening(const Screening&) = delete;  // `support` refers to `chain`
+  Screening(const Screening&) = delete;  // `closures` refer to `chain`
   Screening& operator=(const Screening&) = delete;
 
  private:

@@ -59,7 +59,7 @@ Expected<Inliers<Log<Dim>>> best_inliers(const Log<Dim>& log, const Screening<Di
   const auto fits = fits_as_it_is(log, screening, engine, stop);
   if (!fits || *fits) return fits.map([&](bool) { return Inliers<Log<Dim>>{log, {}}; });
   Expected<Inliers<Log<Dim>>> best = tl::unexpected(Error{});
-  for (const double first : odds_of_first_maps(screening.odds)) {
+  for (const double first : odds_of_first_maps(screening.closures.odds)) {
     best = fewer_rejected<Dim>(std::move(best), search_inliers(log, screening, first, engine, stop));
     if (stop.stop_requested()) return interrupted("rejecting");
   }

@@ -133,14 +133,14 @@ std::vector<std::vector<std::size_t>> stores_by_log(const std::vector<StoredMaps
 /// two ways would be taken for two robots.
 template <int Dim>
 Expected<void> check_shares(const std::vector<StoredMaps<Dim>>& stores, const std::vector<std::filesystem::path>& paths) {
-  const auto is_whole = [&](std::size_t k) { return stores[k].share.is_whole(); };
-  if (std::ranges::all_of(stores, [](const StoredMaps<Dim>& store) { return store.share.is_whole(); })) return {};
+  const auto is_whole = [](const StoredMaps<Dim>& store) { return store.share.is_whole(); };
+  if (std::ranges::all_of(stores, is_whole)) return {};
   const auto logs = stores_by_log(stores);
   const auto has_all = [&](const std::vector<std::size_t>& log) {
     Share next{0, stores[log.front()].share.count};
     const auto is_next = [&](std::size_t k) { return stores[k].share == next; };
     while (next.index < next.count && std::ranges::any_of(log, is_next)) ++next.index;
-    return next.index == next.count || std::ranges::any_of(log, is_whole);
+    return next.index == next.count || std::ranges::any_of(log, [&](std::size_t k) { return is_whole(stores[k]); });
   };
   const auto some = std::ranges::find_if_not(logs, has_all);
   if (logs.size() < 2 || some == logs.end()) return {};

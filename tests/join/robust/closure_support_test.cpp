@@ -91,7 +91,7 @@ TYPED_TEST(ClosureSupportTest, ComparesAcrossMoreStepsWithALongerReach) {
 TYPED_TEST(ClosureSupportTest, ReachesAsFarAsTheBestNeedToBeSupported) {
   const auto reach_of = [](const std::vector<Crossing>& crossings) {
     const typename TestFixture::Between between(crossings);
-    return supported(between.chain, between.log.closures(), {}).longest_loop();
+    return supported(between.chain, between.log.closures(), {}).support.longest_loop();
   };
   EXPECT_EQ(reach_of({{10, 12}, {15, 18}, {20, 22}}), 60);
   EXPECT_EQ(reach_of({{10, 10}, {60, 60}, {110, 110}}), 120);
