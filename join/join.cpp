@@ -7,7 +7,6 @@
 #include <mapjoin/join/free_to_move.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/relative_join.hpp>
-#include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
@@ -72,8 +71,8 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, co
                            JoiningSystem<Dim> system, const MinimiseOptions& solver) {
   Join<Dim> join;
   const Values<Dim> start = system.estimate();
-  join.result = minimise_join(system, task.options.state, solver, task.stop);
-  join.largest_rotation = largest_rotation_update(start, system.estimate());
+  join.result = {minimise_join(system, task.options.state, solver, task.stop)};
+  join.result.largest_rotation = largest_rotation_update(start, system.estimate());
   if (join.result.status == MinimiseStatus::kInterrupted) return interrupted("joining");
   if (join.result.status == MinimiseStatus::kSingular) {
     return bad_input(free_to_move(system, *join.result.singular, system.equations().null_space(kMostFreeDirections),
@@ -111,7 +110,7 @@ Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const Mini
   std::vector<PathPoint> path;
   if (options.gradual) path = follow_path(*system, joined_map, gauge, options.state, solver.method, stop);
   return solved(task, std::move(joined_map), gauge, *std::move(system), solver).map([&](Join<Dim> join) {
-    join.schedule = schedule;
+    join.result.schedule = schedule;
     join.path = std::move(path);
     return join;
   });
@@ -124,11 +123,9 @@ Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const Minim
   const Gauge<Dim> gauge = gauge_of(task.graph, joined_map);
   auto further = solved(task, std::move(joined_map), gauge, std::move(*join.system), solver);
   if (!further) return further;
-  further->schedule = join.schedule;
-  further->is_confirmed = join.is_confirmed;
-  further->largest_rotation = std::max(join.largest_rotation, further->largest_rotation);
-  MinimiseResult result = std::move(join.result);
+  JoinResult result = std::move(join.result);
   result.append(further->result);
+  result.largest_rotation = std::max(result.largest_rotation, further->result.largest_rotation);
   further->result = std::move(result);
   return further;
 }
@@ -140,11 +137,7 @@ template <int Dim>
 Expected<Join<Dim>> join_by_best(const Task<Dim>& task) {
   MinimiseOptions trial = task.options.solver;
   trial.max_iterations = std::min(trial.max_iterations, kTrialIterations);
-  auto best =
-      best_of_ways<Join<Dim>>([&](Schedule way) { return join_by(way, task, trial); },
-                              [](Join<Dim>& join) {
-                                return SolveByWay{join.result, join.largest_rotation, join.is_settled, join.is_confirmed};
-                              });
+  auto best = best_of_ways<Join<Dim>>([&](Schedule way) { return join_by(way, task, trial); }, &Join<Dim>::result);
   if (task.stop.stop_requested()) return interrupted("joining");
   if (!best) return best;
   if (best->result.status != MinimiseStatus::kMaxIterations) return best;

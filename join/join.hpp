@@ -8,6 +8,7 @@
 #include <mapjoin/join/continuation.hpp>
 #include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/join/schedule.hpp>
+#include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
@@ -49,19 +50,15 @@ struct MapFit {
 
 template <int Dim>
 struct Join {
-  MinimiseResult result;
-  std::vector<PathPoint> path;          ///< Path that led to the start; empty if none was followed.
-  Schedule schedule = Schedule::kTree;  ///< Schedule that found the join; for kAuto the one of least chi2.
-  bool is_settled = false;              ///< For kAuto: this join settles the map by itself (see is_settled()).
-  std::optional<bool> is_confirmed;     ///< For kAuto: whether ways of joining confirm the join (see best_of_ways()).
-  Values<Dim> state;                    ///< State of the whole submap graph; poses that are not joined stay at the origin.
-  Table<PoseIndex, PoseIndex> poses;    ///< The poses of the joined state, ascending, by place.
+  JoinResult result;
+  std::vector<PathPoint> path;        ///< Path that led to the start; empty if none was followed.
+  Values<Dim> state;                  ///< State of the whole submap graph; poses that are not joined stay at the origin.
+  Table<PoseIndex, PoseIndex> poses;  ///< The poses of the joined state, ascending, by place.
   Table<FeatureIndex, FeatureIndex> features;  ///< The joined features, all but the submap-local ones, ascending, by place.
   std::vector<PoseIndex> anchored;             ///< Anchored poses, the gauge of the map; empty if priors hold it.
   std::unique_ptr<JoiningSystem<Dim>> system;  ///< System of the last join, for polishing.
   std::vector<MapFit> maps;                    ///< Fits of the submap graph's maps, in their order.
-  double largest_rotation = 0.0;  ///< Largest rotation of a pose in the last solve (rad): how far from linear it was.
-  std::int64_t rows = 0;          ///< Measured rows of maps and observations, without those of submap-local features.
+  std::int64_t rows = 0;  ///< Measured rows of maps and observations, without those of submap-local features.
   std::int64_t dof() const { return rows - static_cast<std::int64_t>(system->equations().size()); }
 };
 

@@ -2,7 +2,6 @@
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/assess.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/recover.hpp>
@@ -53,10 +52,6 @@ template <int Dim>
 void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.join = join.result;
   figures.path = join.path;
-  figures.schedule = join.schedule;
-  figures.is_settled = join.is_settled;
-  figures.is_confirmed = join.is_confirmed;
-  figures.largest_rotation = join.largest_rotation;
   figures.join_dof = join.dof();
   figures.maps = join.maps;
   figures.joint_bytes += join.system->equations().factor_bytes();
@@ -164,15 +159,12 @@ Expected<Found<Dim>> join_set(SubmapSet<Dim>& set, const RunOptions& options, co
 /// and polishing has shown that the Gaussians of the maps are crude, being made far from the optimum.
 bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
   return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
-         !figures.is_settled && figures.recovered_chi2 > (1.0 + kCrudeMaps) * figures.chi2;
+         !figures.join.is_settled && figures.recovered_chi2 > (1.0 + kCrudeMaps) * figures.chi2;
 }
 
 /// True if two runs end at the same optimum, one of them from near by.
 bool confirm_each_other(const RunFigures& one, const RunFigures& other) {
-  const auto is_from_near_by = [](const RunFigures& figures) {
-    return came_from_near_by(figures.join, figures.largest_rotation);
-  };
-  return is_same_chi2(one.chi2, other.chi2) && (is_from_near_by(one) || is_from_near_by(other));
+  return is_same_chi2(one.chi2, other.chi2) && (one.join.came_from_near_by() || other.join.came_from_near_by());
 }
 
 template <int Dim>
@@ -186,9 +178,9 @@ Expected<Found<Dim>> run_best(const Log<Dim>& log, const RunOptions& options, co
   if (!other) return other.error().kind == ErrorKind::kInterrupted ? std::move(other) : std::move(best);
   if (is_less_chi2(other->result.chi2, best->result.chi2)) {
     std::swap(best, other);
-    best->result.is_confirmed = was_as_good_as_linear(best->result.join);
+    best->result.join.is_confirmed = best->result.join.was_as_good_as_linear();
   } else if (confirm_each_other(best->result, other->result)) {
-    best->result.is_confirmed = true;
+    best->result.join.is_confirmed = true;
   }
   best->result.seconds += other->result.seconds;
   return best;

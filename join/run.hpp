@@ -75,13 +75,8 @@ struct RunFigures {
   std::size_t raw_segments = 0;  ///< Segments that stayed observations.
   int poses_per_map = 0;         ///< Steps per map as chosen; 0 if the rule does not count poses.
   std::int64_t build_iterations = 0;
-  MinimiseResult join;
-  std::vector<PathPoint> path;          ///< Path to the start of the join; empty if none was followed.
-  Schedule schedule = Schedule::kTree;  ///< Schedule that found the join; for kAuto the one of least chi2.
-  bool is_settled = false;              ///< Copy of Join::is_settled.
-  /// For kAuto: whether the ways of joining that were tried confirm this optimum (see best_of_ways()).
-  std::optional<bool> is_confirmed;
-  double largest_rotation = 0.0;  ///< Largest rotation of a pose in the last solve of the join (rad).
+  JoinResult join;              ///< Of the optimum of the whole log once that is known: see JoinResult::is_confirmed.
+  std::vector<PathPoint> path;  ///< Path to the start of the join; empty if none was followed.
   std::int64_t join_dof = 0;
   std::vector<MapFit> maps;              ///< Fit of each local map in the join.
   std::optional<double> recovered_chi2;  ///< chi2 of the whole log before polishing; nullopt without a log.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/model/error.hpp>
@@ -28,57 +29,49 @@ double largest_rotation_update(const Values<Dim>& from, const Values<Dim>& to) {
   return most;
 }
 
-/// True if the last solve converged and every step gained what the model promised: there was no second minimum on the way.
-inline bool was_as_good_as_linear(const MinimiseResult& solve) {
-  return solve.status == MinimiseStatus::kConverged && solve.short_steps == 0;
-}
+/// The last solve of a join, and whether it is settled and confirmed that there is no better optimum.
+struct JoinResult : MinimiseResult {
+  Schedule schedule = Schedule::kTree;    ///< Schedule that found the join; for kAuto the one of least chi2.
+  double largest_rotation = 0.0;          ///< Largest rotation of a pose (rad): how far from linear the solve was.
+  bool is_settled = false;                ///< For kAuto: this join settles the map by itself (see settles()).
+  std::optional<bool> is_confirmed = {};  ///< For kAuto: whether the ways that were tried confirm this optimum.
 
-/// True if the last solve, which turned a pose by at most `largest_rotation` (rad), began near the optimum to which it
-/// converged.
-inline bool came_from_near_by(const MinimiseResult& solve, double largest_rotation) {
-  return solve.status == MinimiseStatus::kConverged && (largest_rotation < kFarFromLinear || was_as_good_as_linear(solve));
-}
-
-/// True if a solve settles the map by itself.
-inline bool is_settled(Schedule way, const MinimiseResult& solve, double largest_rotation) {
-  return was_as_good_as_linear(solve) || (way == kWays.front() && came_from_near_by(solve, largest_rotation));
-}
-
-/// The last solve of a join found by one of kWays.
-struct SolveByWay {
-  const MinimiseResult& result;
-  double largest_rotation;  ///< Largest rotation of a pose in this solve (rad).
-  bool& is_settled;
-  std::optional<bool>& is_confirmed;
+  /// True if it converged and every step gained what the model promised: there was no second minimum on the way.
+  bool was_as_good_as_linear() const { return status == MinimiseStatus::kConverged && short_steps == 0; }
+  /// True if it began near the optimum to which it converged.
+  bool came_from_near_by() const {
+    return status == MinimiseStatus::kConverged && (largest_rotation < kFarFromLinear || short_steps == 0);
+  }
+  /// True if it settles the map by itself.
+  bool settles() const { return was_as_good_as_linear() || (schedule == kWays.front() && came_from_near_by()); }
 };
 
 /// The result of the first way that settles the map, otherwise that of least chi2 once two ways have ended at the same optimum,
-/// one of them from near by, or all are tried. `find(way)` gives an Expected<Found>, `solve_of(found)` its SolveByWay. Bad
-/// input of the first way, or of one after a way that succeeded, is passed over: a system that is singular far from the optimum
-/// need not be so elsewhere. A result that settles the map, or that two ended at so, is confirmed.
-template <typename Found, typename Find, typename SolveOf>
-Expected<Found> best_of_ways(const Find& find, const SolveOf& solve_of) {
+/// one of them from near by, or all are tried. `find(way)` gives an Expected<Found>, `result_of` a reference to the JoinResult
+/// of a Found. Bad input of the first way, or of one after a way that succeeded, is passed over: a system that is singular far
+/// from the optimum need not be so elsewhere. A result that settles the map, or that two ended at so, is confirmed.
+template <typename Found, typename Find, typename ResultOf>
+Expected<Found> best_of_ways(const Find& find, const ResultOf& result_of) {
   std::optional<Found> best;
   for (const Schedule way : kWays) {
     Expected<Found> found = find(way);
     if (!found && found.error().kind == ErrorKind::kBadInput && (best || way == kWays.front())) continue;
     if (!found) return found;
-    const SolveByWay solve = solve_of(*found);
-    solve.is_settled = is_settled(way, solve.result, solve.largest_rotation);
-    solve.is_confirmed = solve.is_settled;
-    if (best && is_same_chi2(solve_of(*best).result.chi2, solve.result.chi2)) {
-      const SolveByWay of_best = solve_of(*best);
-      const bool is_confirmed = came_from_near_by(of_best.result, of_best.largest_rotation) ||
-                                came_from_near_by(solve.result, solve.largest_rotation);
-      if (solve.is_settled || of_best.result.status != MinimiseStatus::kConverged) best = *std::move(found);
+    JoinResult& result = std::invoke(result_of, *found);
+    result.is_settled = result.settles();
+    result.is_confirmed = result.is_settled;
+    if (best && is_same_chi2(std::invoke(result_of, *best).chi2, result.chi2)) {
+      const JoinResult& of_best = std::invoke(result_of, *best);
+      const bool is_confirmed = of_best.came_from_near_by() || result.came_from_near_by();
+      if (result.is_settled || of_best.status != MinimiseStatus::kConverged) best = *std::move(found);
       if (is_confirmed) {
-        solve_of(*best).is_confirmed = true;
+        std::invoke(result_of, *best).is_confirmed = true;
         return *std::move(best);
       }
-    } else if (!best || is_less_chi2(solve.result.chi2, solve_of(*best).result.chi2)) {
+    } else if (!best || is_less_chi2(result.chi2, std::invoke(result_of, *best).chi2)) {
       best = *std::move(found);
     }
-    if (solve_of(*best).is_settled) return *std::move(best);
+    if (std::invoke(result_of, *best).is_settled) return *std::move(best);
   }
   return *std::move(best);
 }

@@ -123,7 +123,7 @@ void RunReport::describe(const Log<Dim>& log, const AttachedFixes& attached, con
 template <int Dim>
 void RunReport::describe(const RunResult<Dim>& result) {
   figures = static_cast<const RunFigures&>(result);
-  options.schedule = result.schedule;
+  options.schedule = result.join.schedule;
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
   for (const PoseIndex pose : result.map.gauge) anchored.push_back(ids[pose]);

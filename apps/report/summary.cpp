@@ -183,7 +183,7 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   note(!run_report.association_is_settled,
        "the association of features had not come to rest when its joins were used up: some may still be two that are one, or "
        "one that are two; `mapjoin run` without --associate goes by their ids");
-  note(run_report.is_joined && run_report.figures.converged() && !run_report.figures.is_confirmed.value_or(true),
+  note(run_report.is_joined && run_report.figures.converged() && !run_report.figures.join.is_confirmed.value_or(true),
        "this optimum, the best found, is not confirmed: the ways of joining end at different ones, or came to it from afar; a "
        "lower one may exist (`mapjoin compare` of a log shows where each way ends)");
   note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");

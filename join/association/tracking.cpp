@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <mapjoin/join/association/feature_filter.hpp>
 #include <mapjoin/join/association/tracking.hpp>
-#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <numeric>
 #include <span>
 

@@ -96,14 +96,14 @@ Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPar
   if (auto room = make_room(comm, problem, task.most_megabytes); !room) return room;
   MinimiseOptions solver = task.run.solver;
   if (comm.any(result.local_maps > 0)) solver.relative_chi2 *= kRefiningShare;
-  result.join = minimise(problem, solver);
+  result.join = {minimise(problem, solver)};
   std::int64_t rows = 0;
   for (std::size_t k = 0; k < regions.own.size(); ++k) {
     rows += regions.own[k].measured_rows;
-    result.largest_rotation =
-        std::max(result.largest_rotation, largest_rotation_update(regions.own[k].start, problem.estimate(k)));
+    result.join.largest_rotation =
+        std::max(result.join.largest_rotation, largest_rotation_update(regions.own[k].start, problem.estimate(k)));
   }
-  result.largest_rotation = comm.max(result.largest_rotation);
+  result.join.largest_rotation = comm.max(result.join.largest_rotation);
   if (result.join.status == MinimiseStatus::kSingular) {
     if (auto determined = comm.agree(check_determined(whole, problem)); !determined) return determined;
     return bad_input_of(whole.source, "the observations leave free to move what regions share");
@@ -141,7 +141,7 @@ Expected<AnyFound> run_on(const Communicator& comm, const Task& task, MappedLog<
   auto regions = regions_of(comm, log.whole, std::move(log.share), std::move(start), task.regions);
   if (!regions) return tl::unexpected(regions.error());
   if (auto solved = solve(comm, task, log.whole, *regions, found); !solved) return tl::unexpected(solved.error());
-  found.result.schedule = task.run.schedule;
+  found.result.join.schedule = task.run.schedule;
   return AnyFound(std::move(found));
 }
 
@@ -151,8 +151,8 @@ Expected<AnyFound> run_by(Schedule schedule, const Communicator& comm, AnyMapped
   return std::visit([&](auto& any) { return run_on(comm, task, std::move(any)); }, log);
 }
 
-RunFigures& figures_of(AnyFound& found) {
-  return std::visit([](auto& any) -> RunFigures& { return any.result; }, found);
+JoinResult& result_of(AnyFound& found) {
+  return std::visit([](auto& any) -> JoinResult& { return any.result.join; }, found);
 }
 
 /// References to the figures of building local maps.
@@ -172,10 +172,7 @@ Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, An
     std::visit([&](auto& any) { built_of(any.log, any.figures) = built; }, *mapped);
     return run_by(way, comm, *std::move(mapped), task);
   };
-  return best_of_ways<AnyFound>(run_by_way, [](AnyFound& found) {
-    RunFigures& figures = figures_of(found);
-    return SolveByWay{figures.join, figures.largest_rotation, figures.is_settled, figures.is_confirmed};
-  });
+  return best_of_ways<AnyFound>(run_by_way, result_of);
 }
 
 }  // namespace

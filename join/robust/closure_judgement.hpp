@@ -3,8 +3,8 @@
 // Tests of all closures of a log against a map of some of them.
 
 #include <cstdint>
-#include <mapjoin/join/robust/odometry_chain.hpp>
 #include <mapjoin/join/robust/robust_map.hpp>
+#include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <span>
 #include <stop_token>

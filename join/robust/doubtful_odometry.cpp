@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/join/robust/doubtful_odometry.hpp>
+#include <mapjoin/join/robust/support/closure_support.hpp>
 #include <mapjoin/join/run.hpp>
 #include <memory>
 #include <utility>

@@ -3,7 +3,8 @@
 // Odometry that closures contradict: sessions are cut there, and the step is judged as a closure.
 
 #include <functional>
-#include <mapjoin/join/robust/inlier_search.hpp>
+#include <mapjoin/join/robust/inliers.hpp>
+#include <mapjoin/join/robust/screening.hpp>
 #include <stop_token>
 #include <vector>
 

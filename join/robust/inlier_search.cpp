@@ -4,9 +4,7 @@
 #include <limits>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/inlier_search.hpp>
-#include <mapjoin/join/robust/repeated_odometry.hpp>
 #include <mapjoin/join/robust/selection.hpp>
-#include <mapjoin/join/robust/sighting_support.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
@@ -23,10 +21,6 @@ constexpr double kLeastGrowth = 0.05;
 /// Times that all closures are tried again: those taken in the first time may support others. More trials would take in wrong
 /// ones that lie near, one after the other, each supported by those before.
 constexpr int kMostTrials = 2;
-
-bool is_outvoted(double odds) {
-  return odds < -kLeastOdds;
-}
 
 /// A search for the closures and observations that agree, from one first map on.
 template <int Dim>
@@ -114,24 +108,15 @@ class InlierSearch {
 
   Inliers<Log<Dim>> inliers() {
     keep_one_of_each_feature(log_, distances_of_observations(), observations_count_);
-    Inliers<Log<Dim>> found;
-    const auto reject = [&](PartKind kind, std::size_t k, const auto& factor, double chi2, int rows, double widest) {
-      const double tail = screening_.doubtful_count * chi_squared_upper_tail(chi2, rows);
-      found.rejected.push_back({{kind, factor.base, factor.target, chi2, rows, std::min(1.0, tail)},
-                                chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted,
-                                k});
-    };
     const std::vector<std::size_t> kept = kept_together();
+    Inliers<Log<Dim>> found{selected(log_, kept, observations_count_), {}};
+    put_in_order(found.input);
     for (std::size_t k = 0; k < odds_.size(); ++k) {
-      if (std::ranges::binary_search(kept, k)) continue;
-      reject(PartKind::kClosure, k, log_.closures()[k], judged_.chi2[k], rows_of(k), gates_.widest.closures);
+      if (!std::ranges::binary_search(kept, k)) found.rejected.push_back(rejected_closure(k));
     }
     for (std::size_t k = 0; k < observations_count_.size(); ++k) {
-      if (observations_count_[k]) continue;
-      reject(PartKind::kObservation, k, log_.observations()[k], observation_tests_[k].chi2, Dim, gates_.widest.observations);
+      if (!observations_count_[k]) found.rejected.push_back(rejected_observation(k));
     }
-    found.input = selected(log_, kept, observations_count_);
-    put_in_order(found.input);
     return found;
   }
 
@@ -183,10 +168,22 @@ class InlierSearch {
     odds_ = screening_.closures.support.odds(priors_, gates_.scale.closures);
   }
 
-  bool is_kept(std::size_t closure) const { return judged_.standing[closure] == Standing::kKept; }
+  Rejected rejected_closure(std::size_t k) const {
+    const PoseFactor<Dim>& closure = log_.closures()[k];
+    const int rows = static_cast<int>(information_rank(closure.information));
+    return rejected({PartKind::kClosure, closure.base, closure.target, judged_.chi2[k], rows}, gates_.widest.closures, k);
+  }
+  Rejected rejected_observation(std::size_t k) const {
+    const FeatureFactor<Dim>& seen = log_.observations()[k];
+    return rejected({PartKind::kObservation, seen.base, seen.target, observation_tests_[k].chi2, Dim},
+                    gates_.widest.observations, k);
+  }
+  Rejected rejected(Misfit misfit, double widest, std::size_t observation) const {
+    misfit.probability = std::min(1.0, screening_.doubtful_count * chi_squared_upper_tail(misfit.chi2, misfit.rows));
+    return {misfit, misfit.chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted, observation};
+  }
 
-  /// The number of measured rows of a closure.
-  int rows_of(std::size_t closure) const { return static_cast<int>(information_rank(log_.closures()[closure].information)); }
+  bool is_kept(std::size_t closure) const { return judged_.standing[closure] == Standing::kKept; }
 
   /// The kept closures and, if these leave the log in parts, the nearest others that connect them.
   std::vector<std::size_t> kept_together() const {
@@ -212,54 +209,16 @@ class InlierSearch {
   const Screening<Dim>& screening_;
   Engine engine_;
   const std::stop_token& stop_;
+  // By the last map; before the first one by the screening, with all closures open, no values, and no tests of observations.
   Gates gates_;
   std::vector<PriorOdds> priors_;
   std::vector<double> odds_;
-  ClosureJudgement<Dim> judged_;  // by the last map; without values before the first one
+  ClosureJudgement<Dim> judged_;
   std::vector<bool> observations_count_;
   std::vector<PartTest> observation_tests_;
 };
 
-/// The number of closures, observations and repetitions of odometry; at least 1.
-template <int Dim>
-double doubtful_count_of(const Log<Dim>& log) {
-  const std::size_t count = log.closures().size() + log.observations().size() + repeated_odometry(log).size();
-  return std::max(1.0, static_cast<double>(count));
-}
-
 }  // namespace
-
-template <int Dim>
-Screening<Dim>::Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop)
-    : chain(log), closures(supported(chain, log.closures(), stop)), doubtful_count(doubtful_count_of(log)) {
-  const double tail = (1.0 - confidence) / doubtful_count;
-  gates.widest = {chi_squared_upper_quantile(tail, kPoseDof<Dim>), chi_squared_upper_quantile(tail, Dim)};
-  screen_closures();
-  screen_observations(log);
-}
-
-template <int Dim>
-void Screening<Dim>::screen_closures() {
-  auto& [support, priors, odds] = closures;
-  gates.scale.closures = support.scale(odds);
-  if (gates.scale.closures < 1.0) {
-    priors = support.priors(gates.scale.closures);
-    odds = support.odds(priors, gates.scale.closures);
-  }
-  outvoted += static_cast<std::size_t>(std::ranges::count_if(odds, is_outvoted));
-}
-
-template <int Dim>
-void Screening<Dim>::screen_observations(const Log<Dim>& log) {
-  const std::vector<double> odds_of_sightings = sighting_odds(chain, log);
-  outvoted += static_cast<std::size_t>(std::ranges::count_if(odds_of_sightings, is_outvoted));
-  std::vector<double> against;
-  for (const double odds_of_one : odds_of_sightings) {
-    observations_count.push_back(odds_of_one > kLeastOdds);
-    against.push_back(-odds_of_one);
-  }
-  keep_one_of_each_feature(log, against, observations_count);
-}
 
 template <int Dim>
 Expected<Inliers<Log<Dim>>> fewer_rejected(Expected<Inliers<Log<Dim>>> a, Expected<Inliers<Log<Dim>>> b) {
@@ -281,7 +240,6 @@ Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                 \
-  template struct Screening<Dim>;                                                                                \
   template Expected<Inliers<Log<Dim>>> fewer_rejected(Expected<Inliers<Log<Dim>>>, Expected<Inliers<Log<Dim>>>); \
   template Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>&, const Screening<Dim>&, double, Engine,    \
                                                       const std::stop_token&);

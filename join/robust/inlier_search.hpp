@@ -2,37 +2,11 @@
 #pragma once
 // The search for the closures and observations of a log that agree, from a first map on.
 
-#include <cstddef>
-#include <mapjoin/join/robust/agreement.hpp>
-#include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
-#include <mapjoin/join/robust/odometry_chain.hpp>
-#include <mapjoin/join/robust/robust_map.hpp>
+#include <mapjoin/join/robust/screening.hpp>
 #include <stop_token>
-#include <vector>
 
 namespace mapjoin {
-
-/// Evidence gathered before anything is solved: how well closures agree with odometry and with each other, and observations
-/// among themselves.
-template <int Dim>
-struct Screening {
-  OdometryChain<Dim> chain;
-  SupportedClosures<Dim> closures;  ///< Within the scale of `gates`.
-  double doubtful_count;            ///< Number of closures, observations and repetitions of odometry; at least 1.
-  Gates gates;
-  std::vector<bool> observations_count;  ///< True if others support it, and for at least one of each feature.
-  std::size_t outvoted = 0;              ///< Number of closures and observations that others are against.
-
-  /// Screens a log whose odometry is believed; incomplete once a stop is requested. `confidence` as in RobustOptions.
-  Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop);
-  Screening(const Screening&) = delete;  // `closures` refer to `chain`
-  Screening& operator=(const Screening&) = delete;
-
- private:
-  void screen_closures();
-  void screen_observations(const Log<Dim>& log);
-};
 
 /// The one of two results that rejects fewer, `a` on a tie; the other one if one has failed.
 template <int Dim>

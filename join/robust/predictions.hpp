@@ -3,7 +3,7 @@
 // Relative poses that a map predicts for closures that had no part in it.
 
 #include <mapjoin/join/joining_system.hpp>
-#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <span>
 #include <stop_token>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <mapjoin/join/robust/odometry_chain.hpp>
 #include <mapjoin/join/robust/repeated_odometry.hpp>
+#include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {

@@ -11,28 +11,84 @@ namespace {
 /// Steps of the join from which a map starts: truncated losses go on from there.
 constexpr int kStartSteps = 1;
 
-/// The scale at which the closures that count fit.
+/// Settles a map whose factors are all in doubt: drops those that do not fit, and readmits those that do.
 template <int Dim>
-double scale_of_closures(const TruncatedJoin<Dim>& join) {
-  return scale_of(join.counting_closure_tests(), kPoseDof<Dim>);
-}
+class Settler {
+ public:
+  Settler(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop)
+      : join_(join), gates_(gates), source_(source), stop_(stop) {}
 
-/// Drops the farthest observations and all closures beyond their gates; that of closures is found anew from those that remain,
-/// until all are within it. True if any were dropped.
-template <int Dim>
-bool drop_misfits(TruncatedJoin<Dim>& join, Gates& gates) {
-  bool any = join.drop_observations(gates.now().observations);
-  while (join.drop_closures(gates.now().closures)) {
-    any = true;
-    gates.scale.closures = scale_of_closures(join);
+  Expected<void> settle() {
+    join_.graduate(gates_.now(), stop_);
+    return settle_fully()
+        .and_then([&] { return readmit_observations(); })
+        .and_then([&] { return drop_all_misfits(); })
+        .and_then([&] { return readmit_all(); });
   }
-  return any;
-}
 
-/// The gates at which observations pass, and no closure does.
-OfKinds gates_of_observations(const Gates& gates) {
-  return {0.0, gates.now().observations};
-}
+ private:
+  /// Readmits the observations that graduation dropped only because outliers bent the map.
+  Expected<void> readmit_observations() {
+    if (!join_.readmit(gates_of_observations())) return {};
+    join_.graduate(gates_.now(), stop_);
+    return settle_fully();
+  }
+
+  /// Drops misfits until none are left at the optimum; after each drop but the last a step is enough.
+  Expected<void> drop_all_misfits() {
+    while (drop_misfits()) {
+      do {
+        join_.settle_by_a_step(stop_);
+        if (auto tested = take_tests(); !tested) return tested;
+      } while (drop_misfits());
+      if (auto settled = settle_fully(); !settled) return settled;
+    }
+    return {};
+  }
+
+  /// Readmits, once, whatever fits the map of those that are left.
+  Expected<void> readmit_all() {
+    if (!join_.readmit(gates_.last.value_or(gates_of_observations()))) return {};
+    return settle_fully().and_then([&] { return drop_all_misfits(); });
+  }
+
+  /// Drops the farthest observations and all closures beyond their gates; that of closures is found anew from those that
+  /// remain, until all are within it. True if any were dropped.
+  bool drop_misfits() {
+    bool any = join_.drop_observations(gates_.now().observations);
+    while (join_.drop_closures(gates_.now().closures)) {
+      any = true;
+      gates_.scale.closures = scale_of_closures();
+    }
+    return any;
+  }
+
+  Expected<void> settle_fully() {
+    join_.settle(stop_);
+    return take_tests();
+  }
+
+  /// Scales the gates by the tests of the last settling; an error if there are none.
+  Expected<void> take_tests() {
+    if (stop_.stop_requested()) return interrupted("rejecting");
+    if (!join_.is_tested()) {
+      return bad_input(source_ + ": the measurements that agree leave something free to move; without --robust " +
+                       "the verdict names what is out of line");
+    }
+    gates_.scale = {scale_of_closures(), scale_of(join_.counting_observation_tests(), Dim)};
+    return {};
+  }
+
+  /// The scale at which the closures that count fit.
+  double scale_of_closures() const { return scale_of(join_.counting_closure_tests(), kPoseDof<Dim>); }
+  /// The gates at which observations pass, and no closure does.
+  OfKinds gates_of_observations() const { return {0.0, gates_.now().observations}; }
+
+  TruncatedJoin<Dim>& join_;
+  Gates& gates_;
+  const std::string& source_;
+  const std::stop_token& stop_;
+};
 
 }  // namespace
 
@@ -55,33 +111,7 @@ Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_t
 
 template <int Dim>
 Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop) {
-  join.graduate(gates.now(), stop);
-  bool are_readmitted = false;  // true once those dropped only because outliers bent the map are back
-  bool is_dropping = false;     // the last round has dropped some, and a step is enough for this one
-  for (bool is_first = true;; is_first = false) {
-    if (is_dropping) {
-      join.settle_by_a_step(stop);
-    } else {
-      join.settle(stop);
-    }
-    if (stop.stop_requested()) return interrupted("rejecting");
-    if (!join.is_tested()) {
-      return bad_input(source + ": the measurements that agree leave something free to move; without --robust " +
-                       "the verdict names what is out of line");
-    }
-    gates.scale = {scale_of_closures(join), scale_of(join.counting_observation_tests(), Dim)};
-    if (is_first && join.readmit(gates_of_observations(gates))) {
-      join.graduate(gates.now(), stop);
-    } else if (drop_misfits(join, gates)) {
-      is_dropping = true;
-    } else if (is_dropping) {
-      is_dropping = false;
-    } else if (!are_readmitted && join.readmit(gates.last.value_or(gates_of_observations(gates)))) {
-      are_readmitted = true;
-    } else {
-      return {};
-    }
-  }
+  return Settler<Dim>(join, gates, source, stop).settle();
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                        \

@@ -7,6 +7,7 @@
 #include <boost/graph/kruskal_min_spanning_tree.hpp>
 #include <iterator>
 #include <mapjoin/graph/graph.hpp>
+#include <set>
 
 namespace mapjoin {
 namespace {
@@ -84,11 +85,18 @@ std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edg
   return reached;
 }
 
-std::vector<Vertex> largest_clique(std::size_t vertices, const std::vector<Edge>& edges) {
-  boost::adjacency_matrix<boost::undirectedS> graph(vertices);
-  for (const auto& [a, b] : edges) add_edge(a, b, graph);
+std::vector<Vertex> largest_clique(const std::vector<Edge>& edges) {
+  std::set<Vertex> mentioned;
+  for (const auto& [a, b] : edges) mentioned.insert({a, b});
+  const std::vector<Vertex> vertices(mentioned.begin(), mentioned.end());
+  const auto place_of = [&](Vertex v) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(vertices, v) - vertices.begin());
+  };
+  boost::adjacency_matrix<boost::undirectedS> graph(vertices.size());
+  for (const auto& [a, b] : edges) add_edge(place_of(a), place_of(b), graph);
   std::vector<Vertex> largest;
   bron_kerbosch_all_cliques(graph, LargestClique{&largest});
+  std::ranges::transform(largest, largest.begin(), [&](Vertex place) { return vertices[place]; });
   std::ranges::sort(largest);
   return largest;
 }

@@ -39,9 +39,9 @@ struct Reached {
 /// its vertices. Each of `roots` that is not reached from those before it is a root.
 std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Vertex>& roots);
 
-/// The vertices of a largest clique, ascending; of several the first that is found. For graphs of at most a hundred vertices or
-/// so: the time may grow exponentially (Bron and Kerbosch, 1973).
-std::vector<Vertex> largest_clique(std::size_t vertices, const std::vector<Edge>& edges);
+/// The vertices of a largest clique of the graph of `edges`, ascending; of several the first that is found. For graphs of at
+/// most a hundred vertices or so: the time may grow exponentially (Bron and Kerbosch, 1973).
+std::vector<Vertex> largest_clique(const std::vector<Edge>& edges);
 
 /// All vertices of a graph, path after path, and the number of its edges on the paths.
 struct PathCover {

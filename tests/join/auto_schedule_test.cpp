@@ -44,15 +44,15 @@ RunResult<2> map_by(Schedule schedule, const Simulation<2>& world) {
 
 TEST(AutoSchedule, OnlyAlignsWhereThatIsNearlyLinear) {
   const auto found = optimum_by_default(simulate_manhattan<2>({.poses = 300}));
-  EXPECT_EQ(found.schedule, Schedule::kAligned);
-  EXPECT_LT(found.largest_rotation, 1.0);
+  EXPECT_EQ(found.join.schedule, Schedule::kAligned);
+  EXPECT_LT(found.join.largest_rotation, 1.0);
 }
 
 TEST(AutoSchedule, OnlyAlignsWherePosesTurnFarButEveryStepKeepsItsPromise) {
   const auto found = optimum_by_default(noisy_world(1, 30.0, 2.17));
-  EXPECT_EQ(found.schedule, Schedule::kAligned);
-  EXPECT_GT(found.largest_rotation, 1.0);
-  EXPECT_TRUE(found.is_settled);
+  EXPECT_EQ(found.join.schedule, Schedule::kAligned);
+  EXPECT_GT(found.join.largest_rotation, 1.0);
+  EXPECT_TRUE(found.join.is_settled);
 }
 
 TEST(AutoSchedule, LooksFurtherWhereStepsFallShortOnTheWayToALocalMinimum) {
@@ -73,14 +73,14 @@ int ways_of_default(const Simulation<2>& world, RunOptions options = {}) {
 TEST(AutoSchedule, EndsWhereTheTreeFindsWhatAligningFound) {
   const Simulation<2> world = poor_world(1);
   EXPECT_GT(map_by(Schedule::kAligned, world).join.short_steps, 0);
-  EXPECT_EQ(optimum_by_default(world).schedule, Schedule::kAligned);
+  EXPECT_EQ(optimum_by_default(world).join.schedule, Schedule::kAligned);
   EXPECT_EQ(ways_of_default(world), 2);
 }
 
 TEST(AutoSchedule, JoinsAlongATreeWhereAligningEndsElsewhere) {
   const Simulation<2> world = poor_world(8);
   const auto found = optimum_by_default(world);
-  EXPECT_EQ(found.schedule, Schedule::kTree);
+  EXPECT_EQ(found.join.schedule, Schedule::kTree);
   EXPECT_LT(found.chi2, map_by(Schedule::kAligned, world).chi2 - 1.0);
 }
 
@@ -88,7 +88,7 @@ TEST(AutoSchedule, DoesNotBelieveTwoWaysThatBothCameFromAfar) {
   const Simulation<2> world = poor_world(21);
   const auto tree = map_by(Schedule::kTree, world);
   EXPECT_NEAR(map_by(Schedule::kAligned, world).chi2, tree.chi2, 1e-3);
-  EXPECT_GT(tree.largest_rotation, 1.0);
+  EXPECT_GT(tree.join.largest_rotation, 1.0);
   EXPECT_LT(optimum_by_default(world).chi2, tree.chi2 - 1.0);
 }
 
@@ -96,17 +96,17 @@ TEST(AutoSchedule, DoesWithoutMapsOnlyWhereTheyProveCrude) {
   for (const auto& [seed, is_crude] : {std::pair{119, true}, {104, false}}) {
     const Simulation<2> world = poor_world(static_cast<std::uint64_t>(seed));
     const auto found = optimum_by_default(world);
-    EXPECT_FALSE(found.is_settled);
+    EXPECT_FALSE(found.join.is_settled);
     EXPECT_EQ(found.recovered_chi2.value() > 1.02 * found.chi2, is_crude);
     EXPECT_EQ(ways_of_default(world), is_crude ? 4 : 3);
   }
 }
 
 TEST(AutoSchedule, ConfirmsWhatTwoWaysAgreeOnAndNothingOfOneWay) {
-  EXPECT_EQ(run(simulate_manhattan<2>({.poses = 300}).log, RunOptions{})->is_confirmed, true);
-  EXPECT_EQ(run(poor_world(8).log, RunOptions{})->is_confirmed, true);
-  EXPECT_EQ(run(poor_world(21).log, RunOptions{})->is_confirmed, false);
-  EXPECT_EQ(map_by(Schedule::kTree, poor_world(8)).is_confirmed, std::nullopt);
+  EXPECT_EQ(run(simulate_manhattan<2>({.poses = 300}).log, RunOptions{})->join.is_confirmed, true);
+  EXPECT_EQ(run(poor_world(8).log, RunOptions{})->join.is_confirmed, true);
+  EXPECT_EQ(run(poor_world(21).log, RunOptions{})->join.is_confirmed, false);
+  EXPECT_EQ(map_by(Schedule::kTree, poor_world(8)).join.is_confirmed, std::nullopt);
 }
 
 TEST(AutoSchedule, ConfirmsWhatItEndsAtWithoutMapsOnlyIfThatWasNearOrAsGoodAsLinear) {
@@ -118,7 +118,7 @@ TEST(AutoSchedule, ConfirmsWhatItEndsAtWithoutMapsOnlyIfThatWasNearOrAsGoodAsLin
     options.seed = static_cast<std::uint64_t>(seed);
     const Simulation<2> world = simulate_manhattan<2>(options);
     EXPECT_EQ(ways_of_default(world), 4) << seed;
-    EXPECT_EQ(run(world.log, RunOptions{})->is_confirmed, is_confirmed) << seed;
+    EXPECT_EQ(run(world.log, RunOptions{})->join.is_confirmed, is_confirmed) << seed;
   }
 }
 
@@ -167,7 +167,7 @@ TEST(AutoSchedule, GoesOnWhereTheSystemIsSingularAsAlignedOnly) {
   options.schedule = Schedule::kAuto;
   const auto found = run(log, options);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_NE(found->schedule, Schedule::kAligned);
+  EXPECT_NE(found->join.schedule, Schedule::kAligned);
   EXPECT_LT((found->map.features[0] - Point<2>(2.0, 2.0)).norm(), 0.01);
 }
 
@@ -197,13 +197,13 @@ TEST(AutoSchedule, GoesOnToTheLimitOfIterationsWhereNoWayConverges) {
   const auto found = by_gauss_newton(creeping_log(2, 0.05), 100);
   EXPECT_EQ(found.join.status, MinimiseStatus::kMaxIterations);
   EXPECT_EQ(found.join.iterations, 100);
-  EXPECT_GT(found.largest_rotation, 0.9);  // from the start, not from where it went on
+  EXPECT_GT(found.join.largest_rotation, 0.9);  // from the start, not from where it went on
 }
 
 TEST(AutoSchedule, TakesTheWayThatConvergedOfTwoThatAgree) {
   const auto found = by_gauss_newton(creeping_log(5, 0.09), 200);
   EXPECT_EQ(found.join.status, MinimiseStatus::kConverged);
-  EXPECT_NE(found.schedule, Schedule::kAligned);
+  EXPECT_NE(found.join.schedule, Schedule::kAligned);
 }
 
 TEST(AutoSchedule, KeepsTheBestMapWhereNoneFits) {

@@ -8,22 +8,12 @@
 namespace mapjoin {
 namespace {
 
-/// The solve by one way of joining.
-struct Found {
-  MinimiseResult result;
-  double largest_rotation = 0.0;
-  bool is_settled = false;
-  std::optional<bool> is_confirmed;
-  Schedule way = Schedule::kAuto;
-};
-
 /// A solve that converged at `chi2`, after `short_steps` steps that gained less than promised, with a pose turned by
 /// `largest_rotation` (rad).
-Found found(double chi2, int short_steps, double largest_rotation) {
-  Found found;
-  found.result.status = MinimiseStatus::kConverged;
-  found.result.chi2 = chi2;
-  found.result.short_steps = short_steps;
+JoinResult found(double chi2, int short_steps, double largest_rotation) {
+  JoinResult found;
+  found.chi2 = chi2;
+  found.short_steps = short_steps;
   found.largest_rotation = largest_rotation;
   return found;
 }
@@ -31,27 +21,24 @@ Found found(double chi2, int short_steps, double largest_rotation) {
 /// Ways of joining that find what is given for each; bad input by the others.
 class Ways {
  public:
-  explicit Ways(std::map<Schedule, Found> found) : found_(std::move(found)) {}
+  explicit Ways(std::map<Schedule, JoinResult> found) : found_(std::move(found)) {}
 
-  Expected<Found> best() {
-    return best_of_ways<Found>(
-        [&](Schedule way) -> Expected<Found> {
-          tried.push_back(way);
-          const auto known = found_.find(way);
-          if (known == found_.end()) return bad_input("singular");
-          Found found = known->second;
-          found.way = way;
-          return found;
-        },
-        [](Found& found) {
-          return SolveByWay{found.result, found.largest_rotation, found.is_settled, found.is_confirmed};
-        });
+  Expected<JoinResult> best() {
+    const auto find = [&](Schedule way) -> Expected<JoinResult> {
+      tried.push_back(way);
+      const auto known = found_.find(way);
+      if (known == found_.end()) return bad_input("singular");
+      JoinResult found = known->second;
+      found.schedule = way;
+      return found;
+    };
+    return best_of_ways<JoinResult>(find, std::identity());
   }
 
   std::vector<Schedule> tried;
 
  private:
-  std::map<Schedule, Found> found_;
+  std::map<Schedule, JoinResult> found_;
 };
 
 using ::testing::ElementsAre;
@@ -67,25 +54,25 @@ TEST(BestOfWays, TakesTheFirstThatBeganNearItsOptimum) {
 
 TEST(BestOfWays, TakesALaterOneOnlyWhereItWasAsGoodAsLinear) {
   Ways near({{kAligned, found(9.0, 1, 2.0)}, {kTree, found(8.0, 1, 0.5)}, {kUnbalanced, found(7.0, 1, 2.0)}});
-  EXPECT_EQ(near.best()->way, kUnbalanced);
+  EXPECT_EQ(near.best()->schedule, kUnbalanced);
   Ways linear({{kAligned, found(9.0, 1, 2.0)}, {kTree, found(8.0, 0, 2.0)}});
-  EXPECT_EQ(linear.best()->way, kTree);
+  EXPECT_EQ(linear.best()->schedule, kTree);
   EXPECT_THAT(linear.tried, ElementsAre(kAligned, kTree));
 }
 
 TEST(BestOfWays, BelievesAnOptimumThatTwoEndAtWhereOneOfThemCameFromNearBy) {
   Ways near({{kAligned, found(9.0, 1, 2.0)}, {kTree, found(9.0, 1, 0.5)}});
-  EXPECT_EQ(near.best()->way, kAligned);
+  EXPECT_EQ(near.best()->schedule, kAligned);
   EXPECT_THAT(near.tried, ElementsAre(kAligned, kTree));
   Ways far({{kAligned, found(9.0, 1, 2.0)}, {kTree, found(9.0, 1, 2.0)}, {kUnbalanced, found(7.0, 1, 2.0)}});
-  EXPECT_EQ(far.best()->way, kUnbalanced);
+  EXPECT_EQ(far.best()->schedule, kUnbalanced);
 }
 
 TEST(BestOfWays, GoesOnWhereTheFirstOrALaterOneIsSingular) {
   Ways first({{kTree, found(9.0, 0, 0.5)}});
-  EXPECT_EQ(first.best()->way, kTree);
+  EXPECT_EQ(first.best()->schedule, kTree);
   Ways later({{kAligned, found(9.0, 1, 2.0)}, {kUnbalanced, found(7.0, 1, 2.0)}});
-  EXPECT_EQ(later.best()->way, kUnbalanced);
+  EXPECT_EQ(later.best()->schedule, kUnbalanced);
   Ways none({});
   EXPECT_FALSE(none.best().has_value());
   EXPECT_THAT(none.tried, ElementsAre(kAligned, kTree));
@@ -98,7 +85,7 @@ TEST(BestOfWays, ConfirmsWhatSettlesItselfOrTwoEndAtFromNearBy) {
 }
 
 TEST(BestOfWays, DoesNotConfirmTheBestOfOptimaThatDifferOrOneThatIsFarFromEveryStart) {
-  const Found aligned = found(9.0, 1, 2.0);
+  const JoinResult aligned = found(9.0, 1, 2.0);
   EXPECT_EQ(Ways({{kAligned, aligned}, {kTree, found(8.0, 1, 0.5)}, {kUnbalanced, found(7.0, 1, 2.0)}}).best()->is_confirmed,
             false);
   EXPECT_EQ(Ways({{kAligned, aligned}, {kTree, found(9.0, 1, 2.0)}, {kUnbalanced, found(9.0, 1, 2.0)}}).best()->is_confirmed,
@@ -108,14 +95,11 @@ TEST(BestOfWays, DoesNotConfirmTheBestOfOptimaThatDifferOrOneThatIsFarFromEveryS
 
 TEST(BestOfWays, EndsAtOtherErrors) {
   int calls = 0;
-  const auto interrupted = best_of_ways<Found>(
-      [&](Schedule) -> Expected<Found> {
-        ++calls;
-        return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
-      },
-      [](Found& found) {
-        return SolveByWay{found.result, found.largest_rotation, found.is_settled, found.is_confirmed};
-      });
+  const auto find = [&](Schedule) -> Expected<JoinResult> {
+    ++calls;
+    return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+  };
+  const auto interrupted = best_of_ways<JoinResult>(find, std::identity());
   EXPECT_EQ(interrupted.error().kind, ErrorKind::kInterrupted);
   EXPECT_EQ(calls, 1);
 }

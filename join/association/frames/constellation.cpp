@@ -80,16 +80,17 @@ struct Alike {
 /// The most neighbours that triangles around two features agree on, as `Alike` has them: at least three, or none.
 std::vector<Vertex> agreed(std::vector<Alike>::const_iterator begin, std::vector<Alike>::const_iterator end) {
   std::array<std::uint64_t, kNeighbours * kNeighbours> adjacent{};
-  std::vector<Edge> edges;
-  bool has_triangle = false;
   for (auto alike = begin; alike != end; ++alike) {
     const auto [a, b] = alike->neighbours;
-    has_triangle = has_triangle || (adjacent[a] & adjacent[b]) != 0;
     adjacent[a] |= std::uint64_t{1} << b;
     adjacent[b] |= std::uint64_t{1} << a;
-    edges.emplace_back(a, b);
   }
-  return has_triangle ? largest_clique(kNeighbours * kNeighbours, edges) : std::vector<Vertex>();
+  std::vector<Edge> edges;  // those with a third vertex that is adjacent to both ends
+  for (auto alike = begin; alike != end; ++alike) {
+    const auto [a, b] = alike->neighbours;
+    if ((adjacent[a] & adjacent[b]) != 0) edges.emplace_back(a, b);
+  }
+  return largest_clique(edges);
 }
 
 /// The kUncertain quantile of the largest variance of a side (m²).

@@ -7,8 +7,8 @@
 // anywhere in the volume V: the evidence of an Agreement.
 
 #include <cstdint>
-#include <mapjoin/join/robust/agreement.hpp>
-#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <mapjoin/join/robust/support/agreement.hpp>
+#include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <optional>
 #include <span>
 #include <stop_token>

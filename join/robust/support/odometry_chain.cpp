@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/LU>
 #include <algorithm>
-#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <mapjoin/model/information.hpp>
 #include <numbers>
 #include <utility>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/join/robust/closure_support.hpp>
+#include <mapjoin/join/robust/support/closure_support.hpp>
 #include <span>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/two_drives.hpp>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/fit/leave_one_out.hpp>
-#include <mapjoin/join/robust/closure_support.hpp>
+#include <mapjoin/join/robust/support/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numeric>

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/join/robust/sighting_support.hpp>
+#include <mapjoin/join/robust/support/sighting_support.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
 #include <tests/support/two_drives.hpp>

@@ -2,7 +2,7 @@
 #pragma once
 // The agreement of observations of a feature with each other, by the odometry between the poses that they were made from.
 
-#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <vector>
 
 namespace mapjoin {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/join/robust/agreement.hpp>
+#include <mapjoin/join/robust/support/agreement.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {

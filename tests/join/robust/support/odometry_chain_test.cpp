@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/small_world.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/robust/agreement.hpp>
-#include <mapjoin/join/robust/sighting_support.hpp>
+#include <mapjoin/join/robust/support/agreement.hpp>
+#include <mapjoin/join/robust/support/sighting_support.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <mapjoin/join/robust/agreement.hpp>
+#include <mapjoin/join/robust/support/agreement.hpp>
 #include <numbers>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
