@@ -24,7 +24,7 @@ std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances 
 std::filesystem::path extra_file(Extra extra, const std::filesystem::path& map);
 /// True if a file of this name in the folder of a run is an extra file.
 bool is_extra_of_run(const std::string& name);
-/// Files that are named like extra files beside a map of one file, but are not among `written`: they are of an earlier map.
+/// Files that are named like extra files beside a map of one file, but are not among `written`: an earlier call left them.
 std::vector<std::filesystem::path> extra_files_left(const std::filesystem::path& map, const std::vector<std::string>& written);
 
 }  // namespace mapjoin::apps

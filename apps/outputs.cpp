@@ -15,6 +15,7 @@
 #include <mapjoin/io/local_maps/local_map_file.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -160,8 +161,10 @@ std::vector<std::string> conflicts_with_run(const NamedFiles& files, const fs::p
   std::vector<fs::path> folders = parts ? folders_of_parts(folder) : std::vector{folder};
   std::ranges::transform(folders, folders.begin(), destination);
   std::vector<std::string> violations;
+  std::set<std::pair<std::string, fs::path>> told;  // of those in one folder one is enough
   for (const auto& [name, file] : files) {
     if (file.empty() || !(is_of_run(file, folders) || is_of_run(link_target(file), folders))) continue;
+    if (!told.emplace(name, file.parent_path()).second) continue;
     violations.push_back(fmt::format(
         "{} {} is of the files that --output replaces: give it another name, or --output another folder", name, file.string()));
   }
@@ -195,11 +198,10 @@ bool goes_by_extension(const fs::path& path) {
   return path.has_extension() && !is_special(path) && !fs::is_directory(path, ignored);
 }
 
-std::vector<std::string> check_extension(const fs::path& path) {
+std::vector<std::string> check_extension(const fs::path& path, bool takes_folder) {
   if (!goes_by_extension(path) || names_map_file(path)) return {};
-  return {fmt::format(
-      "--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat (a new folder has none, or ends in /)",
-      path.string())};
+  return {fmt::format("--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat{}", path.string(),
+                      takes_folder ? " (a new folder has none, or ends in /)" : "")};
 }
 
 std::string trajectory_of(std::uint32_t session) {

@@ -45,7 +45,7 @@ std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedF
 std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std::string& output,
                                               const std::filesystem::path& unfinished);
 /// Violations, in words: a file that a run may replace or remove in its folder or, if that has several `parts`, in the folder
-/// of a part; there also one in the place of an unfinished file.
+/// of a part; there also one in the place of an unfinished file. Of several files of one name and folder the first is told.
 std::vector<std::string> conflicts_with_run(const NamedFiles& files, const std::filesystem::path& folder, bool parts);
 
 /// Fails with kCannotWrite if a file cannot be made, which is better known before the work than after it. Devices, pipes and
@@ -61,8 +61,9 @@ bool names_map_file(const std::filesystem::path& path);
 /// True if the extension of a path says what is to be written there: it has one, and is no existing folder, device or pipe.
 bool goes_by_extension(const std::filesystem::path& path);
 
-/// A violation, in words: an extension that is none of those of a map. A folder has no extension, ends in /, or exists already.
-std::vector<std::string> check_extension(const std::filesystem::path& path);
+/// A violation, in words: an extension that is none of those of a map. A folder, which some commands take, has no extension,
+/// ends in /, or exists already.
+std::vector<std::string> check_extension(const std::filesystem::path& path, bool takes_folder = false);
 
 inline constexpr const char* kReportOfRun = "report.json";
 /// The files that every run writes into its folder beside its report; options may add others.

@@ -18,13 +18,20 @@
 namespace mapjoin::apps {
 namespace {
 
-/// Fails with a sentence on a wrong command line.
+/// Fails with a sentence on a wrong command line, which names the help that lists what there is.
 [[noreturn]] void fail_to_parse(const CLI::App& app, std::string what) {
-  if (app.get_subcommands().empty()) {
-    const auto words = app.remaining();
-    what = words.empty() ? "a command is required" : fmt::format("there is no command \"{}\"", words.front());
+  const auto commands = app.get_subcommands();
+  const auto before = app.remaining();  // what stands before the command
+  const auto word = std::ranges::find_if(before, [](const std::string& argument) { return !argument.starts_with("-"); });
+  std::string command = app.get_name();
+  if (word != before.end()) {
+    what = fmt::format("there is no command \"{}\"", *word);
+  } else if (commands.empty()) {
+    what = "a command is required";
+  } else {
+    command += " " + commands.front()->get_name();
   }
-  fail(ErrorKind::kUsage, fmt::format("{} (see {} --help)", what, app.get_name()));
+  fail(ErrorKind::kUsage, fmt::format("{} (see {} --help)", what, command));
 }
 
 /// The options that a sentence offers: words behind a semicolon that begin with --, and the argument for further inputs.

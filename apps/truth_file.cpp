@@ -128,6 +128,7 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : pat
   const FileBytes bytes = FileBytes::read(path).value();
   const TextScanner text(path_, bytes.view());
   if (extension_of(path) == ".tum" || is_tum_line(text)) {
+    has_times_ = !counts_poses(text);
     content_ = read_tum(text).value();
     return;
   }
@@ -147,17 +148,12 @@ void TruthFile::demand_counts() const {
                               "of a run has them");
 }
 
-void TruthFile::count_among(const PoseIds& poses) {
-  demand_counts();
-  counted_ = poses;
-}
-
 template <int Dim>
 Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
     const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
-    if (!stamps_ns.empty()) {
+    if (has_times_ && !stamps_ns.empty()) {
       auto timed = by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_);
       if (timed) return {std::move(*timed), no_features};
       fail(timed.error().kind, fmt::format("{}: {}; a table like poses.csv does, by its column session, and `mapjoin error` "

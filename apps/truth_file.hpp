@@ -48,11 +48,15 @@ class TruthFile {
   /// map, the folder of a run. Times match if they are at most `most_apart` (s) apart.
   explicit TruthFile(const std::filesystem::path& path, double most_apart = kSameTime);
 
-  /// Counts poses without time stamps among these, those of a whole log, from now on, even for the map of a part. kUsage if a
-  /// trajectory has times with fractions of seconds.
-  void count_among(const PoseIds& poses);
-  /// The truth of a map or of a log with these names: by name or, for the poses of a trajectory, by time stamp or, if there are
-  /// none, by count. kUsage if the dimensions differ, and as for by_time() and count_among().
+  /// Counts the poses of a trajectory without times among those of a whole log from now on, even for the map of a part. kUsage
+  /// if the log has no time stamps and the trajectory has times with fractions of seconds.
+  template <int Dim>
+  void count_among(const Log<Dim>& whole) {
+    if (whole.stamps_ns.empty()) demand_counts();
+    counted_ = whole.poses;
+  }
+  /// The truth of a map or of a log with these names: by name or, for the poses of a trajectory, by time stamp or, if it or the
+  /// map has none, by count. kUsage if the dimensions differ, and as for by_time() and count_among().
   template <int Dim>
   Truth<Dim> of(const PoseIds& poses, const FeatureIds& features, const Table<PoseIndex, std::int64_t>& stamps_ns) const;
   template <int Dim>
@@ -72,7 +76,8 @@ class TruthFile {
   std::string path_;
   double most_apart_;
   std::variant<AnyLog, std::vector<StampedPose>> content_;
-  PoseIds counted_;  ///< Set by count_among().
+  bool has_times_ = false;  ///< True for a trajectory whose lines begin with more than a count.
+  PoseIds counted_;         ///< Set by count_among().
 };
 
 }  // namespace mapjoin::apps

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <mapjoin/graph/graph.hpp>
+#include <mapjoin/join/fit/dense_factor.hpp>
 #include <mapjoin/join/free_to_move.hpp>
+#include <mapjoin/model/information.hpp>
+#include <mapjoin/simulate/random_stream.hpp>
 #include <mapjoin/solve/free_directions.hpp>
 #include <utility>
 #include <vector>
@@ -11,35 +15,128 @@
 namespace mapjoin {
 namespace {
 
+/// A diagonal entry of an information matrix, ordered by its value with lengths in units of the extent of the map.
+struct Weight {
+  double of_extent = 0.0;
+  double value = 0.0;
+  auto operator<=>(const Weight&) const = default;
+};
+
 /// The least and the largest positive diagonal entry of all information matrices.
 template <int Dim>
-std::pair<double, double> weights_of(const JoiningSystem<Dim>& system) {
-  std::pair range(std::numeric_limits<double>::infinity(), 0.0);
-  const auto take = [&](const auto& information) {
-    for (const double weight : information.diagonal()) {
-      if (weight > 0.0) range = {std::min(range.first, weight), std::max(range.second, weight)};
+std::pair<Weight, Weight> weights_of(const JoiningSystem<Dim>& system, double extent) {
+  std::pair range(Weight{std::numeric_limits<double>::infinity()}, Weight{});
+  const auto take = [&](const auto& information, Eigen::Index pose_rows) {
+    for (Eigen::Index row = 0; row < information.rows(); ++row) {
+      const bool is_of_rotation = row < pose_rows && row % kPoseDof<Dim> >= Dim;
+      const double value = information(row, row);
+      const Weight weight{is_of_rotation ? value : value * extent * extent, value};
+      if (value > 0.0) range = {std::min(range.first, weight), std::max(range.second, weight)};
     }
   };
-  for (const auto& factor : system.pose_factors()) take(factor.observation->information);
-  for (const auto& factor : system.feature_factors()) take(factor.observation->information);
-  for (const auto& placed : system.maps()) take(placed.map->information);
+  for (const auto& factor : system.pose_factors()) take(factor.observation->information, kPoseDof<Dim>);
+  for (const auto& factor : system.feature_factors()) take(factor.observation->information, 0);
+  for (const auto& [map, base, poses, features] : system.maps()) take(map->information, map->row(poses.size()));
   return range;
 }
 
 /// Advice in words if the largest weights leave no digits to the least; "" otherwise.
 template <int Dim>
-std::string lost_weights_in_words(const JoiningSystem<Dim>& system) {
+std::string lost_weights_in_words(const JoiningSystem<Dim>& system, double extent) {
   constexpr double kFarApart = 1e12;
-  const auto [least, largest] = weights_of(system);
-  if (!(largest > kFarApart * least)) return "";
-  return fmt::format("; weights from {:.2g} to {:.2g} are too far apart to be added: bring them closer together", least,
-                     largest);
+  const auto [least, largest] = weights_of(system, extent);
+  if (!(largest.of_extent > kFarApart * least.of_extent)) return "";
+  return fmt::format("; weights from {:.2g} to {:.2g} are too far apart to be added: bring them closer together", least.value,
+                     largest.value);
+}
+
+/// The cost vᵀJᵀWJv of a direction v, summed factor by factor, how much of it may be rounding, and its gradient JᵀWJv.
+struct Cost {
+  double value = 0.0;
+  double rounding = 0.0;
+  Eigen::VectorXd gradient;
+};
+
+template <int Dim>
+Cost cost_of(const Eigen::VectorXd& v, const JoiningSystem<Dim>& system) {
+  constexpr double kRounding = 32.0 * std::numeric_limits<double>::epsilon();
+  const NormalEquations& equations = system.equations();
+  const Eigen::VectorXd size = v.cwiseAbs();
+  Cost cost{0.0, 0.0, Eigen::VectorXd::Zero(v.size())};
+  for (std::size_t factor = 0; factor < equations.pattern().factors.size(); ++factor) {
+    const DenseFactor linear = dense_factor(system, factor);
+    const Eigen::VectorXd Jv = times<Dim>(linear.J, v, factor, equations);
+    const Eigen::VectorXd error = kRounding * times<Dim>(linear.J.cwiseAbs(), size, factor, equations);
+    const Eigen::VectorXd WJv = linear.W * Jv;
+    cost.value += Jv.dot(WJv);
+    cost.rounding += error.dot(linear.W.cwiseAbs() * error);
+    for_each_variable<Dim>(equations, factor, [&](Variable variable, Eigen::Index column) {
+      const int dof = equations.dof(variable);
+      cost.gradient.segment(equations.offset(variable), dof) += linear.J.middleCols(column, dof).transpose() * WJv;
+    });
+  }
+  return cost;
+}
+
+/// The direction v of length 1 that costs least, vᵀHv / vᵀDv with the diagonal D of H, by the last factorisation (inverse
+/// iteration).
+Eigen::VectorXd softest_direction(const NormalEquations& equations) {
+  constexpr int kSteps = 2;
+  const Eigen::VectorXd D = equations.diagonal();
+  RandomStream random(1, 0);
+  Eigen::VectorXd v = Eigen::VectorXd::NullaryExpr(D.size(), [&] { return random.normal(); }).cwiseQuotient(D.cwiseSqrt());
+  for (int k = 0; k < kSteps; ++k) v = equations.solve(D.cwiseProduct(v.stableNormalized()));
+  return v.stableNormalized();
 }
 
 }  // namespace
 
 template <int Dim>
-std::string free_to_move(const JoiningSystem<Dim>& system, Variable singular, const Eigen::MatrixXd& null_space,
+bool is_surely_determined(const JoiningSystem<Dim>& system) {
+  constexpr Vertex kWorldVertex = 0;
+  const auto vertex = [&](PoseIndex place) {
+    return place == kWorld || system.is_anchored(place) ? kWorldVertex : static_cast<Vertex>(1 + place.value);
+  };
+  const auto is_full = [](const auto& W) { return information_rank(W) == W.rows(); };
+  std::vector<Edge> ties;
+  Table<FeatureIndex, bool> is_tied(system.estimate().features.size(), false);
+  for (const auto& [o, base, target] : system.pose_factors()) {
+    if (is_full(o->information)) ties.emplace_back(vertex(base), vertex(target));
+  }
+  for (const auto& [o, base, target] : system.feature_factors()) is_tied[target] = is_tied[target] || is_full(o->information);
+  for (const auto& [map, base, poses, features] : system.maps()) {
+    if (!is_full(map->information)) continue;
+    for (const PoseIndex pose : poses) ties.emplace_back(vertex(base), vertex(pose));
+    for (const FeatureIndex feature : features) is_tied[feature] = true;
+  }
+  const auto poses = indices(system.estimate().poses);
+  const auto component = components_of(make_graph(1 + system.estimate().poses.size(), ties));
+  return std::ranges::all_of(poses, [&](PoseIndex p) { return component[vertex(p)] == component[kWorldVertex]; }) &&
+         std::ranges::find(is_tied, false) == is_tied.end();
+}
+
+template <int Dim>
+Eigen::MatrixXd free_directions_of(JoiningSystem<Dim>& system) {
+  constexpr double kStiff = 1e-8;    // the share of vᵀDv beyond the rounding of H, a few ε a variable
+  constexpr int kCorrections = 4;    // each takes out of v the rest of what is not free
+  constexpr double kNothing = 1e-6;  // the share of v beyond which a correction has left nothing
+  const NormalEquations& equations = system.equations();
+  Eigen::VectorXd v = softest_direction(equations);
+  if (equations.curvature(v) > kStiff * v.dot(equations.diagonal().cwiseProduct(v))) return {};
+  system.linearise();
+  if (system.factorise(0.0)) return equations.null_space(kMostFreeDirections);
+  v = softest_direction(equations);
+  for (int k = 0; k < kCorrections && v.norm() > kNothing; ++k) {
+    v.stableNormalize();
+    const Cost cost = cost_of(v, system);
+    if (cost.value <= cost.rounding) return v;
+    v -= equations.solve(cost.gradient);
+  }
+  return {};
+}
+
+template <int Dim>
+std::string free_to_move(const JoiningSystem<Dim>& system, std::optional<Variable> singular, const Eigen::MatrixXd& null_space,
                          const PoseIds& pose_ids, const FeatureIds& feature_ids) {
   const NormalEquations& equations = system.equations();
   std::vector<PlacedVariable<Dim>> variables;
@@ -52,12 +149,21 @@ std::string free_to_move(const JoiningSystem<Dim>& system, Variable singular, co
     const Pose<Dim> place{system.estimate().features[f], {}};
     variables.push_back({to_string(feature_ids[f]), place, equations.offset(system.variable(f)), false});
   }
-  const std::string found = free_directions(variables, null_space);
-  const std::string& name = std::ranges::find(variables, equations.offset(singular), &PlacedVariable<Dim>::offset)->name;
-  return (found.empty() ? name + " cannot be determined" : found) + lost_weights_in_words(system);
+  std::string found = free_directions(variables, null_space);
+  if (found.empty()) {  // the engine knows no direction
+    const Eigen::Index offset = equations.offset(singular.value());
+    found = std::ranges::find(variables, offset, &PlacedVariable<Dim>::offset)->name + " cannot be determined";
+  }
+  return found + lost_weights_in_words(system, extent_of(variables));
 }
 
-template std::string free_to_move(const JoiningSystem<2>&, Variable, const Eigen::MatrixXd&, const PoseIds&, const FeatureIds&);
-template std::string free_to_move(const JoiningSystem<3>&, Variable, const Eigen::MatrixXd&, const PoseIds&, const FeatureIds&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                \
+  template bool is_surely_determined(const JoiningSystem<Dim>&);                                                \
+  template Eigen::MatrixXd free_directions_of(JoiningSystem<Dim>&);                                             \
+  template std::string free_to_move(const JoiningSystem<Dim>&, std::optional<Variable>, const Eigen::MatrixXd&, \
+                                    const PoseIds&, const FeatureIds&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What the observations of a join leave free to move, in words.
+// What the observations of a join leave free to move: found where rounding hides it, and in words.
 
 #include <Eigen/Core>
 #include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/model/ids.hpp>
+#include <optional>
 #include <string>
 
 namespace mapjoin {
@@ -21,11 +22,26 @@ Table<Index, Id> names_at(const Table<Index, Index>& part, const Table<Index, Id
   return by_place;
 }
 
+/// True if observations and maps of full rank tie every pose to the World or an anchored pose, and every feature to one of
+/// these or a pose: nothing is then free to move.
+template <int Dim>
+bool is_surely_determined(const JoiningSystem<Dim>& system);
+
+/// Directions, a column each, in which the observations leave the variables of `system` free, which was factorised near
+/// its estimate, without damping; none if everything is determined. Those that no singular pivot shows are found one at a time:
+/// the pivot of a direction along which many poses move far, such as a turn of the whole map, is a difference of large sums,
+/// whose rounding passes for information.
+///
+/// Inverse iteration leads to the direction v that costs least by the factorised H. Its cost is the sum of (J v)ᵀ W (J v) over
+/// the factors, which does not suffer from cancellation; v is free if it is no larger than that of the rounding of J v.
+template <int Dim>
+Eigen::MatrixXd free_directions_of(JoiningSystem<Dim>& system);
+
 /// A sentence on the poses and features that the observations of a singular system leave free to move, in the directions of its
 /// null space, a column each, with advice if the largest weights leave no digits to the least. `singular` is the variable to
 /// name if there are no directions. The names are those of the places of the joined state.
 template <int Dim>
-std::string free_to_move(const JoiningSystem<Dim>& system, Variable singular, const Eigen::MatrixXd& null_space,
+std::string free_to_move(const JoiningSystem<Dim>& system, std::optional<Variable> singular, const Eigen::MatrixXd& null_space,
                          const PoseIds& pose_ids, const FeatureIds& feature_ids);
 
 }  // namespace mapjoin

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/free_to_move.hpp>
@@ -65,6 +66,21 @@ struct Task {
   const std::stop_token& stop;
 };
 
+/// Bad input, with their names, if the observations leave variables free to move.
+template <int Dim>
+Expected<void> check_determined(const Task<Dim>& task, const PartialMap<Dim>& joined_map, JoiningSystem<Dim>& system,
+                                const MinimiseResult& result) {
+  Eigen::MatrixXd free;
+  if (result.status == MinimiseStatus::kSingular) {
+    free = system.equations().null_space(kMostFreeDirections);
+  } else if (result.factorisations > 0 && std::isfinite(result.chi2) && !is_surely_determined(system)) {
+    free = free_directions_of(system);
+  }
+  if (!result.singular && free.size() == 0) return {};
+  return bad_input(free_to_move(system, result.singular, free, names_at(joined_map.poses, task.pose_ids),
+                                names_at(joined_map.features, task.feature_ids)));
+}
+
 /// The last solve of the joined map, starting at the estimate of `system`.
 template <int Dim>
 Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, const Gauge<Dim>& gauge,
@@ -74,9 +90,8 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, co
   join.result = {minimise_join(system, task.options.state, solver, task.stop)};
   join.result.largest_rotation = largest_rotation_update(start, system.estimate());
   if (join.result.status == MinimiseStatus::kInterrupted) return interrupted("joining");
-  if (join.result.status == MinimiseStatus::kSingular) {
-    return bad_input(free_to_move(system, *join.result.singular, system.equations().null_space(kMostFreeDirections),
-                                  names_at(joined_map.poses, task.pose_ids), names_at(joined_map.features, task.feature_ids)));
+  if (auto determined = check_determined(task, joined_map, system, join.result); !determined) {
+    return tl::unexpected(determined.error());
   }
   join.state = state_of(task.graph, joined_map, system.estimate());
   for (const PoseIndex place : gauge.anchored) join.anchored.push_back(joined_map.poses[place]);

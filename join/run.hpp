@@ -75,7 +75,7 @@ struct RunFigures {
   std::size_t raw_segments = 0;  ///< Segments that stayed observations.
   int poses_per_map = 0;         ///< Steps per map as chosen; 0 if the rule does not count poses.
   std::int64_t build_iterations = 0;
-  JoinResult join;              ///< Of the optimum of the whole log once that is known: see JoinResult::is_confirmed.
+  JoinResult join;              ///< Last solve of the join; `is_confirmed` is of the final map.
   std::vector<PathPoint> path;  ///< Path to the start of the join; empty if none was followed.
   std::int64_t join_dof = 0;
   std::vector<MapFit> maps;              ///< Fit of each local map in the join.

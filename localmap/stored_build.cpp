@@ -34,7 +34,9 @@ Expected<std::int64_t> build_some(StoreWriter<Dim>& store, const Log<Dim>& log, 
 }  // namespace
 
 std::string build_settings(const MinimiseOptions& solver) {
-  return fmt::format("mapjoin {} --method {} --max-iterations {}", kVersion, to_string(solver.method), solver.max_iterations);
+  return fmt::format("mapjoin {} --method {} --max-iterations {}, until {} of chi2, {} m and {} rad{}", kVersion,
+                     to_string(solver.method), solver.max_iterations, solver.relative_chi2, solver.step_metres,
+                     solver.step_radians, solver.damp_singular ? ", damped if singular" : "");
 }
 
 template <int Dim>

@@ -19,6 +19,7 @@
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
+#include <numeric>
 #include <variant>
 
 namespace mapjoin::apps {
@@ -37,6 +38,10 @@ struct Checked {
   std::vector<KindFit> fits;  ///< Empty if residuals were not weighed.
   std::int64_t dof = 0;       ///< Degrees of freedom of all fits together.
 
+  /// The chi2 of all fits together.
+  double chi2() const {
+    return std::accumulate(fits.begin(), fits.end(), 0.0, [](double sum, const KindFit& fit) { return sum + fit.chi2; });
+  }
   void add(Findings more) { std::ranges::move(more, std::back_inserter(findings)); }
   /// The number of findings of this level or a graver one.
   std::int64_t count(FindingLevel least) const {
@@ -196,9 +201,7 @@ std::string fit_in_words(const KindFit& fit) {
 
 std::string estimate_in_words(const Checked& checked) {
   if (checked.fits.empty()) return "residuals were not weighed";
-  double chi2 = 0.0;
-  for (const KindFit& fit : checked.fits) chi2 += fit.chi2;
-  return fmt::format("{:.10g}, dof {}, at {}", chi2, checked.dof,
+  return fmt::format("{:.10g}, dof {}, at {}", checked.chi2(), checked.dof,
                      checked.estimate == CheckedEstimate::kFile ? "the file's values" : "the joined map");
 }
 
@@ -207,6 +210,7 @@ std::string summary_of(const RunReport& run_report, const Checked& checked, std:
   add_input(run_report, lines, "file");
   lines.add("chi2", estimate_in_words(checked));
   for (const KindFit& fit : checked.fits) lines.add("", fit_in_words(fit));
+  add_reading_notes(run_report, lines);
   for (const Finding& finding : checked.findings) {
     lines.add(to_string(finding.level), finding.text);
     if (!finding.where.names.empty()) lines.add("", places_in_words(finding.where, most));
@@ -219,7 +223,7 @@ std::string summary_of(const RunReport& run_report, const Checked& checked, std:
 std::string report_of(const RunReport& run_report, const Checked& checked, std::size_t most) {
   Json json = report_head(run_report);
   json["estimate"] = checked.estimate;
-  json["dof"] = checked.fits.empty() ? std::nullopt : std::optional(checked.dof);
+  json.update(if_known(!checked.fits.empty(), {{"chi2", checked.chi2()}, {"dof", checked.dof}}));
   json["fits"] = Json::array();
   for (const KindFit& fit : checked.fits) {
     json["fits"].push_back({{"kind", fit.kind},

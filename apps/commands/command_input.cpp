@@ -67,7 +67,7 @@ AnyLog CommandRun::open_input() {
   auto log = timed(run_report.read_seconds, [&] {
     return open_logs(inputs(), options_.read, options_.merging).and_then([&](AnyLog&& any) {
       return stamped(std::move(any)).map([&](AnyLog&& all) {
-        std::visit([&](const auto& whole) { count_truth_among(whole); }, all);
+        if (truth_) std::visit([&](const auto& whole) { truth_->count_among(whole); }, all);
         return options_.parts == Parts::kLargest && !options_.association ? largest(all) : all;
       });
     });
@@ -93,11 +93,6 @@ AnyLog CommandRun::largest(const AnyLog& any) {
     return part;
   };
   return std::visit(take, any);
-}
-
-template <int Dim>
-void CommandRun::count_truth_among(const Log<Dim>& whole) {
-  if (truth_ && whole.stamps_ns.empty()) truth_->count_among(whole.poses);
 }
 
 template <typename Data>

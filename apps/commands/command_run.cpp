@@ -116,8 +116,7 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
 void CommandRun::say_what_is_left() {
   progress_.close();
   for (const std::filesystem::path& file : extra_files_left(options_.output, run_report.files)) {
-    say(fmt::format("{}: was there before and is not of {}; where it is of no other map, remove it", file.string(),
-                    options_.output.string()));
+    say(file.string() + ": was there before, and this call did not write it; unless it is of a map that you keep, remove it");
   }
 }
 

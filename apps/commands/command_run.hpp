@@ -119,10 +119,6 @@ class CommandRun {
   std::vector<std::filesystem::path> inputs() const;
   /// The largest part of a log.
   static AnyLog largest(const AnyLog& any);
-  /// Counts the poses of the truth among those of the whole log, also for a part of it, if the log has no times; kUsage if the
-  /// truth has.
-  template <int Dim>
-  void count_truth_among(const Log<Dim>& whole);
   /// Like demand_truth(), but with --parts all only says that the truth has nothing of a part, which is then not measured.
   template <typename Data>
   void settle_truth(const Data& data);

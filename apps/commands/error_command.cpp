@@ -44,9 +44,13 @@ ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop
   const auto errors_in = [&](auto&& log) { return errors_of(map_of(std::move(log)), truth, options.errors); };
   const TruthErrors errors = std::visit(errors_in, command_run.read_log());
   if (errors.absolute.translation.count == 0) {
+    const bool has_stamps = command_run.run_report.has_stamps;
     fail(ErrorKind::kBadInput,
          options.true_map.string() +
-             ": has no pose of the map, neither by name nor by time; --max-time-difference widens the match");
+             (has_stamps
+                  ? ": has no pose of the map, neither by name nor by time; --max-time-difference widens the match of times"
+                  : ": has no pose of the map, neither by name nor by count; where it has times, the map needs them, too "
+                    "(`mapjoin run --stamps`)"));
   }
   Json json = report_head(command_run.run_report);
   json["truth"] = options.true_map.string();

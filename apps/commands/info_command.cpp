@@ -61,7 +61,10 @@ void add_content(const SubmapSet<Dim>& set, Lines& lines) {
 
 template <int Dim>
 void add_content(const StoredMaps<Dim>& stored, Lines& lines) {
-  lines.add("local maps", fmt::format("{} of {} segments", stored.maps.size(), stored.segments.size()));
+  std::int32_t longest = 0;
+  for (const Segment& segment : stored.segments) longest = std::max(longest, segment.end - segment.begin);
+  lines.add("local maps", fmt::format("{} of {} of up to {}", stored.maps.size(), plural(stored.segments.size(), "segment"),
+                                      plural(longest, "step")));
   if (const Share& share = stored.share; !share.is_whole()) {
     lines.add("part", fmt::format("{} of {}", share.index + 1, share.count));
   }

@@ -59,7 +59,7 @@ void add_leniency(Subcommand& command, Options& options) {
 
 void add_weights(Subcommand& command, Options& options) {
   command.group("Reading");
-  command.choice("--covariance", options.covariance, "Weights as given, or every information matrix replaced by the identity");
+  command.choice("--covariance", options.covariance, "Weights as given, or all replaced by the identity of what was measured");
   command.flag(
       "--repair-information", options.read.repair_information,
       "Take the symmetric part of an asymmetric information matrix or covariance and the nearest semidefinite one of an "

@@ -40,7 +40,7 @@ std::vector<std::string> settle_batch(const Subcommand& command, Options& settle
 
 std::optional<SplitOptions> split_by_poses(const std::string& word) {
   if (word == "auto") return SplitOptions{};
-  const std::optional<int> poses = number_in<int>(word);
+  const auto poses = number_in<std::int64_t>(word);
   if (!poses || *poses < 1) return std::nullopt;
   return SplitOptions{SplitRule::kPoses, static_cast<double>(*poses)};
 }
@@ -202,8 +202,11 @@ void add_certainty(Subcommand& command, Options& options) {
       "--relations", options.relations,
       "Write each pose and feature relative to the pose it was measured from, with how certain that is: relations.csv");
   command.path("--truth", options.truth, "FILE",
-               "Weigh the errors against this map by their covariances (NEES): " + kTruthFiles);
+               "Weigh the errors against this map by their covariances (NEES): " + kTruthFiles +
+                   "; in the frame of the fixes or priors where these hold the map");
   add_most_memory(command, options, "For covariances, which are refused where they take more [as much as there is]");
+  command.only_with("--max-memory", "--covariances, --relations and --truth",
+                    [&options] { return options.covariances || options.relations || !options.truth.empty(); });
 }
 
 void add_most_memory(Subcommand& command, Options& options, const std::string& help) {

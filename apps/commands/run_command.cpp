@@ -131,11 +131,15 @@ ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, c
   fail(followed.fault->kind, followed.fault->message + (is_written ? "; the map of what stands before it is written" : ""));
 }
 
-/// Runs on a part of the log of `whole`; the error if it has no map.
+/// Runs on the part of the log of `whole` with this number, which summary, report and messages name; the error if it has no
+/// map.
 template <int Dim>
-Expected<ExitCode> run_part(const Options& options, const CommandRun& whole, Log<Dim> part) {
+Expected<ExitCode> run_part(const Options& options, const CommandRun& whole, std::size_t number, Log<Dim> part) {
   try {
+    const std::string name = fmt::format(", part {}", number);
+    part.source += name;
     CommandRun command_run("run", options, whole.stop());
+    command_run.run_report.input += name;
     auto folder = output_folder(options.output);
     command_run.take_truth_of(whole);
     const AnyLog log = command_run.take_input(AnyLog(std::move(part)));
@@ -160,8 +164,7 @@ ExitCode run_parts(const Options& options, const std::stop_token& stop) {
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Options of_part = options;
       of_part.output = options.output / folder_of_part(k);
-      parts[k].source += fmt::format(", part {}", k + 1);  // for error messages
-      const Expected<ExitCode> done = run_part(of_part, whole, std::move(parts[k]));
+      const Expected<ExitCode> done = run_part(of_part, whole, k + 1, std::move(parts[k]));
       if (!done) say(done.error().message);
       if (done) written.push_back(of_part.output);
       worst = std::max(worst, done ? *done : exit_code_of(done.error().kind));
@@ -236,7 +239,7 @@ void declare_run(Subcommand& command) {
   add_certainty(command, *options);
   add_following(command, *following);
   add_reporting(command, *options);
-  command.check([options] { return check_extension(options->output); });
+  command.check([options] { return check_extension(options->output, true); });
   command.check([options, following] { return check_files(*options, *following); });
   command.check([options, following]() -> std::vector<std::string> {
     const bool is_plain =

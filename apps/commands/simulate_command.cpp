@@ -93,7 +93,7 @@ void declare_simulate(Subcommand& command) {
   const auto options = std::make_shared<SimulateOptions>();
   ManhattanOptions& world = options->manhattan;
   command.choice("--world", options->world, "Streets; in space corridors and shafts");
-  command.number<std::int64_t>("--poses", world.poses, 1, "N", "From a hundred to millions");
+  command.number<std::int64_t>("--poses", world.poses, 1, "N", "From one to millions");
   command.choice("--dim", options->dimension, std::to_array<EnumName<int>>({{2, "2"}, {3, "3"}}), "Dimension");
   command.number<std::uint64_t>("--seed", world.seed, 0, "S", "The same seed gives the same log");
   command.path("-o,--output", options->log, "LOG", "Write the log, as g2o", true);

@@ -10,8 +10,15 @@ namespace mapjoin::apps {
 
 namespace {
 
-/// Refuses the empty word; for every option that names a file or a folder.
-const CLI::Validator kPath([](const std::string& word) { return std::string(word.empty() ? "is empty" : ""); }, "");
+/// Refuses what names no file or folder: the empty word and, unless it stands for standard output, the word -.
+CLI::Validator names_path(bool takes_dash = false) {
+  const auto fault = [takes_dash](const std::string& word) -> std::string {
+    if (word.empty()) return "is empty";
+    if (word != "-" || takes_dash) return "";
+    return "is -, which stands for no stream here: name /dev/stdin or /dev/stdout, or ./- for a file of that name";
+  };
+  return CLI::Validator(fault, "");
+}
 
 }  // namespace
 
@@ -34,11 +41,11 @@ CLI::Option& Subcommand::grouped(CLI::Option& option) const {
 }
 
 void Subcommand::argument(const std::string& name, std::filesystem::path& value, const std::string& help) {
-  app_->add_option(name, value, help)->required()->check(kPath)->type_name("");
+  app_->add_option(name, value, help)->required()->check(names_path())->type_name("");
 }
 
 void Subcommand::arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help) {
-  app_->add_option(name, values, help)->required()->check(kPath)->type_name("");
+  app_->add_option(name, values, help)->required()->check(names_path())->type_name("");
 }
 
 void Subcommand::words(const std::string& name, std::vector<std::string>& values, const std::string& help) {
@@ -46,7 +53,7 @@ void Subcommand::words(const std::string& name, std::vector<std::string>& values
 }
 
 void Subcommand::further(std::vector<std::filesystem::path>& values, const std::string& help) {
-  app_->add_option(kFurther, values, help)->check(kPath)->type_name("");
+  app_->add_option(kFurther, values, help)->check(names_path())->type_name("");
 }
 
 void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {
@@ -71,7 +78,8 @@ void Subcommand::refusal(const std::string& name, bool& value, const std::string
 
 void Subcommand::path(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help,
                       bool is_required) {
-  grouped(*app_->add_option(names, value, help)->required(is_required)->check(kPath)->type_name(kind));
+  const CLI::Validator valid = names_path(kind.ends_with("|-"));
+  grouped(*app_->add_option(names, value, help)->required(is_required)->check(valid)->type_name(kind));
 }
 
 void Subcommand::option(const std::string& name, const std::string& kind, const std::string& help, Take take) {

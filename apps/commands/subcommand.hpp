@@ -77,6 +77,7 @@ class Subcommand {
   void flag(const std::string& name, const std::string& help, Take take);
   /// A flag that makes `value` false.
   void refusal(const std::string& name, bool& value, const std::string& help);
+  /// An option that takes a path; `-`, for standard output, only if `kind` ends in "|-".
   void path(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help,
             bool is_required = false);
   void option(const std::string& name, const std::string& kind, const std::string& help, Take take);

@@ -32,10 +32,11 @@ std::string gauge_in_words(const RunReport& run_report);
 /// The conventions of chi2 in words.
 std::string conventions_in_words(const Conventions& conventions, int dimension);
 
-/// Adds lines of a summary: the input with its counts and how much of it was left out; its convention; notes on what a reader
-/// may not expect: repeated edges, repaired matrices, observations left out.
+/// Adds lines of a summary: the input with its counts and how much of it was left out; its convention; notes on what was
+/// repaired or left out while it was read; these and other notes on what one may not expect, as repeated edges.
 void add_input(const RunReport& run_report, Lines& lines, std::string_view name = "input");
 void add_convention(const RunReport& run_report, Lines& lines);
+void add_reading_notes(const RunReport& run_report, Lines& lines);
 void add_notes(const RunReport& run_report, Lines& lines);
 
 }  // namespace mapjoin::apps

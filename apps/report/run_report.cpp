@@ -106,7 +106,7 @@ void RunReport::describe(const Input& input, const std::vector<Rejected>& left_o
 
 template <int Dim>
 void RunReport::describe(const Log<Dim>& log, const AttachedFixes& attached, const std::vector<RejectedFix>& left_out) {
-  counts.priors = attached.lines.size() - left_out.size();
+  counts.priors = attached.lines.size();
   counts.fixed_poses = log.graph.fixed.size();
   counts.skipped = log.skipped;
   gps->frame = attached.frame;

@@ -49,10 +49,11 @@ std::string recovered_in_words(const RunFigures& figures) {
   return text;
 }
 
-std::string nees_in_words(std::string_view what, const Nees& nees) {
-  const std::string_view verdict = nees.value > nees.most()    ? "OVERCONFIDENT"
-                                   : nees.value < nees.least() ? "cautious"
-                                                               : "consistent";
+/// The NEES of what is called `what`; the truth could be moved into the frame of the map, or not.
+std::string nees_in_words(std::string_view what, const Nees& nees, bool is_moved) {
+  const std::string_view too_large =
+      is_moved ? "OVERCONFIDENT" : "OVERCONFIDENT, unless the truth is in another frame than the map";
+  const std::string_view verdict = nees.value > nees.most() ? too_large : nees.value < nees.least() ? "cautious" : "consistent";
   return fmt::format("{} {:.1f} over {} dimensions, {} ({:.0f} to {:.0f} in 98 of 100)", what, nees.value, nees.dimensions,
                      verdict, nees.least(), nees.most());
 }
@@ -70,10 +71,11 @@ std::string deviations_in_words(const RunReport& run_report) {
 void add_consistency(const RunReport& run_report, Lines& lines) {
   if (!run_report.consistency) return;
   const auto& [poses, features, joint] = *run_report.consistency;
+  const bool is_moved = run_report.anchored.size() == 1;
   if (joint.dimensions == 0) lines.add("NEES", "none: the truth lacks the pose that holds the map still, or has nothing else");
   for (const auto& [what, nees] : {std::pair{"poses", &poses}, {"features", &features}, {"joint", &joint}}) {
     const bool repeats = nees == &joint && (poses.dimensions == 0 || features.dimensions == 0);
-    if (nees->dimensions > 0 && !repeats) lines.add("NEES", nees_in_words(what, *nees));
+    if (nees->dimensions > 0 && !repeats) lines.add("NEES", nees_in_words(what, *nees, is_moved));
   }
 }
 
@@ -91,6 +93,13 @@ std::string fixes_in_words(const GpsReport& gps) {
   if (gps.left_out > 0) text += fmt::format(", {} more at no pose", gps.left_out);
   return text +
          fmt::format("; east, north and up from {:.7f}° {:.7f}° at {:.3f} m", origin.latitude, origin.longitude, origin.height);
+}
+
+/// A function that adds a note to the lines if it holds.
+auto notes_in(Lines& lines) {
+  return [&lines](bool holds, std::string_view text) {
+    if (holds) lines.add("note", text);
+  };
 }
 
 void add_result(const RunReport& run_report, Lines& lines) {
@@ -152,10 +161,8 @@ void add_convention(const RunReport& run_report, Lines& lines) {
   lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
 }
 
-void add_notes(const RunReport& run_report, Lines& lines) {
-  const auto note = [&](bool holds, std::string_view text) {
-    if (holds) lines.add("note", text);
-  };
+void add_reading_notes(const RunReport& run_report, Lines& lines) {
+  const auto note = notes_in(lines);
   const MatrixRepairs& repairs = run_report.conventions.repairs;
   note(repairs.symmetrised > 0,
        fmt::format(
@@ -165,6 +172,15 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   note(repairs.indefinite > 0,
        fmt::format("{} replaced by the nearest semidefinite one",
                    plural(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
+  note(repairs.missing > 0, fmt::format("{} without weights got the identity", plural(repairs.missing, "edge")));
+  std::vector<std::string> skipped;
+  for (const auto& [what, count] : run_report.counts.skipped) skipped.push_back(fmt::format("{} ({})", what, count));
+  note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
+}
+
+void add_notes(const RunReport& run_report, Lines& lines) {
+  add_reading_notes(run_report, lines);
+  const auto note = notes_in(lines);
   note(run_report.counts.repeated_edges > 0,
        fmt::format("{} between the same two poses; all of them count",
                    plural(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
@@ -172,10 +188,6 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   note(run_report.counts.unassociated > 0,
        fmt::format("{} left out: the file does not say of which feature",
                    plural(run_report.counts.unassociated, "observation was", "observations were")));
-  note(repairs.missing > 0, fmt::format("{} without weights got the identity", plural(repairs.missing, "edge")));
-  std::vector<std::string> skipped;
-  for (const auto& [what, count] : run_report.counts.skipped) skipped.push_back(fmt::format("{} ({})", what, count));
-  note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
   note(!run_report.association && run_report.counts.shared_features > 0 && run_report.is_joined &&
            run_report.figures.fit.verdict == Verdict::kMisfit,
        fmt::format("{} in several inputs and taken as the same: if they are not, --features own",

@@ -33,7 +33,7 @@ template <int Dim>
 Matcher<Dim>::Matcher(const NeighbourDensity<Dim>& density, AssociationMethod method, double confidence, double decisions)
     : density_(density),
       method_(method),
-      gates_(method == AssociationMethod::kNearest ? confidence : 1.0 - (1.0 - confidence) / std::max(1.0, decisions)) {}
+      gates_((1.0 - confidence) / (method == AssociationMethod::kNearest ? 1.0 : std::max(1.0, decisions))) {}
 
 /// Removes choices that are outside of the gates by themselves from the problem. Returns the sightings left with any, those
 /// with the fewest and most certain ones first.

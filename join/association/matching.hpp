@@ -11,7 +11,7 @@
 namespace mapjoin {
 
 enum class AssociationMethod : std::uint8_t {
-  kJcbb,     ///< Joint compatibility, branch and bound: whole sets of sightings at once, set aside if two answers are likely.
+  kJcbb,     ///< Joint compatibility: whole sets of sightings at once, set aside if two answers are likely.
   kNearest,  ///< Each sighting by itself with the nearest feature within its gate, as the authors of I-SLSJF do; for
              ///< comparison.
 };
@@ -38,8 +38,8 @@ class Matcher {
 
   /// A match for every sighting, in their order.
   ///
-  /// The hypothesis of the highest score is found by branch and bound over the sightings, following the most promising
-  /// branches. Hypotheses of lower score follow that share none of its pairings and explain at least half as many sightings:
+  /// The hypothesis of the highest score is sought from sighting to sighting, following the most promising branches (beam
+  /// search). Hypotheses of lower score follow that share none of its pairings and explain at least half as many sightings:
   /// other placements of the sightings. Shifts by which their surroundings fall onto themselves, as in a regular plantation,
   /// count as placements, too. The probability of a pairing is a product: that of its hypothesis against the placements that
   /// contradict it, that of the hypothesis not being found by chance, and that of the pairing, given the others, against a

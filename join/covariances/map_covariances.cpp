@@ -128,7 +128,7 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
     }
     size += dof;
   }
-  const std::string what = fmt::format("the joint covariance of {} poses and features", variables.size());
+  const std::string what = "the joint covariance of " + plural(variables.size(), "pose or feature", "poses and features");
   const CrossCovariances cross(equations_);
   return check_memory(what, cross.bytes(free), most_memory_).map([&] {
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);

@@ -129,7 +129,7 @@ double blame(PartKind kind) {
 
 /// The part to leave out next: the one most to blame among those that chance hardly explains; null if there is none.
 const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vector<KindScale>& scales) {
-  ChiSquaredQuantiles most_by_chance(1.0 - kLevel / static_cast<double>(parts.size()));
+  ChiSquaredQuantiles most_by_chance(kLevel / static_cast<double>(parts.size()));
   const TestedPart* worst = nullptr;
   double least = 0.0;
   for (const TestedPart& part : parts) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mapjoin/join/fit/dense_factor.hpp>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
@@ -19,57 +20,13 @@ namespace {
 /// is computed from solutions for the factor itself, which do not cancel.
 constexpr double kLeastRedundancy = 1e-6;
 constexpr double kLeastSolvedRedundancy = 1e-8;
-/// The share of the largest below which eigenvalues and pivots are rounding, as for information_rank().
+/// The share of the largest below which eigenvalues and pivots are not tested, as M, a difference, has no digits there.
 constexpr double kLeastPivot = 1e-9;
 /// The number of tests from which on a scale is estimated, and the quantiles that are compared.
 constexpr std::size_t kLeastTests = 20;
 constexpr double kQuantiles[] = {0.5, 0.9, 0.95};
 /// The number of columns that are solved at once.
 constexpr Eigen::Index kColumnsAtOnce = 64;
-
-/// A linearised factor of any kind as dense matrices; the columns of J are those of the base, then of the targets.
-struct DenseFactor {
-  Eigen::VectorXd r;
-  Eigen::MatrixXd W;
-  Eigen::MatrixXd J;
-};
-
-template <int Dim, int Dof>
-DenseFactor dense(const LinearObservation<Dim, Dof>& linear) {
-  DenseFactor factor{linear.target.residual, linear.W, Eigen::MatrixXd(Dof, kPoseDof<Dim> + Dof)};
-  factor.J << linear.target.J_base, linear.target.J_target;
-  return factor;
-}
-
-template <int Dim>
-DenseFactor dense(const LinearMap<Dim>& linear) {
-  const Eigen::MatrixXd& W = linear.map->information;
-  DenseFactor factor{Eigen::VectorXd(W.rows()), W, {}};
-  factor.J.setZero(W.rows(), kPoseDof<Dim> + W.rows());
-  Eigen::Index row = 0;
-  linear.for_each_target([&]<int Dof>(int, const LinearTarget<Dim, Dof>& target) {
-    factor.r.template segment<Dof>(row) = target.residual;
-    factor.J.template block<Dof, kPoseDof<Dim>>(row, 0) = target.J_base;
-    factor.J.template block<Dof, Dof>(row, kPoseDof<Dim> + row) = target.J_target;
-    row += Dof;
-  });
-  return factor;
-}
-
-template <int Dim>
-DenseFactor dense_factor(const JoiningSystem<Dim>& system, std::size_t factor) {
-  return system.with_linear_factor(factor, [](const auto& linear) { return dense(linear); });
-}
-
-/// Calls f(v, column) for the variables of a factor, with their first column in its J; skips constant ones, all poses.
-template <int Dim, typename F>
-void for_each_variable(const NormalEquations& equations, std::size_t factor, F&& f) {
-  Eigen::Index column = 0;
-  for (const Variable v : equations.pattern().factors[factor]) {
-    if (v != kConstant) f(v, column);
-    column += v == kConstant ? kPoseDof<Dim> : equations.dof(v);
-  }
-}
 
 /// J P Jᵀ plus a bound on its rounding: the covariances of poses far from the gauge nearly cancel.
 template <int Dim>
@@ -87,17 +44,6 @@ Eigen::MatrixXd predicted_covariance(const Eigen::MatrixXd& J, std::size_t facto
   constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
   covariance.diagonal() += kRounding * (J.cwiseAbs() * P.diagonal().cwiseSqrt()).cwiseAbs2();
   return covariance;
-}
-
-/// J X, where X has the rows of all variables.
-template <int Dim>
-Eigen::MatrixXd times(const Eigen::MatrixXd& J, const Eigen::Ref<const Eigen::MatrixXd>& X, std::size_t factor,
-                      const NormalEquations& equations) {
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(J.rows(), X.cols());
-  for_each_variable<Dim>(equations, factor, [&](Variable v, Eigen::Index column) {
-    product += J.middleCols(column, equations.dof(v)) * X.middleRows(equations.offset(v), equations.dof(v));
-  });
-  return product;
 }
 
 /// The information of a part of a factor; an observation is one part.
@@ -125,13 +71,16 @@ Eigen::MatrixXd scaled_eigenvectors(const Eigen::MatrixXd& A, double least) {
   return eigen.eigenvectors().rightCols(count) * eigen.eigenvalues().tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
+/// The columns B with Bᵀ W B = I over the directions that W measures.
+Eigen::MatrixXd whitening(const Eigen::MatrixXd& W) {
+  const auto scaled = unit_scaled<Eigen::Dynamic>(W);
+  return scaled.scale.asDiagonal() * scaled_eigenvectors(scaled.W, kLeastPivot);
+}
+
 /// The columns B with Bᵀ M B = I over the directions in which M is at least the share `least` of W: M⁺ = B Bᵀ there.
 Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W, double least) {
-  const Eigen::ArrayXd diagonal = W.diagonal().array();
-  const Eigen::VectorXd scale = (diagonal > 0.0).select(diagonal.rsqrt(), 0.0);  // rows that are not measured drop out
-  const Eigen::MatrixXd whitening =
-      scale.asDiagonal() * scaled_eigenvectors(scale.asDiagonal() * W * scale.asDiagonal(), kLeastPivot);
-  return whitening * scaled_eigenvectors(whitening.transpose() * M * whitening, least);
+  const Eigen::MatrixXd of_W = whitening(W);
+  return of_W * scaled_eigenvectors(of_W.transpose() * M * of_W, least);
 }
 
 /// The number of factors of each variable.
@@ -175,7 +124,7 @@ void LeaveOneOut<Dim>::solve_for_weak(std::span<const std::size_t> factors) {
   for (const std::size_t k : factors) {
     const Eigen::MatrixXd W = dense_factor(system_, k).W;
     if (has_all_directions(M(k), W, kLeastRedundancy)) continue;
-    if (testable_directions(M(k), W, kLeastRedundancy).cols() < information_rank<Eigen::Dynamic>(W)) weak.push_back(k);
+    if (testable_directions(M(k), W, kLeastRedundancy).cols() < whitening(W).cols()) weak.push_back(k);
   }
   if (weak.empty()) return;
   const Table<Variable, std::size_t> counts = factor_counts(equations_.pattern());

@@ -17,7 +17,7 @@ constexpr double kBulky = 0.5;
 FrontTree::FrontTree() {
   add_variable(1);
   solution_.front() = 1.0;
-  add_quadratic({{kOne}, Eigen::MatrixXd::Ones(1, 1)});  // its pivot is at least 1, whatever the others
+  add_quadratic({{kOne}, Eigen::MatrixXd::Ones(1, 1)});  // so that there is a root, whose pivot is not 0 where all fits
 }
 
 Variable FrontTree::add_variable(int dof) {

@@ -4,6 +4,7 @@
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,10 +12,10 @@
 namespace mapjoin {
 namespace {
 
-/// True for an update of closures alone, on which no other builds.
+/// True for an update of closures alone, on which neither another update nor the frame of the map builds.
 template <int Dim>
 bool may_be_left_out(const SubmapUpdate<Dim>& update) {
-  return update.segments.empty() && update.features.empty() && update.graph.fixed.empty();
+  return update.segments.empty() && update.features.empty() && !speaks_of_world(update);
 }
 
 }  // namespace
@@ -22,16 +23,6 @@ bool may_be_left_out(const SubmapUpdate<Dim>& update) {
 template <int Dim>
 IncrementalJoin<Dim>::IncrementalJoin(const Pose<Dim>& origin) : origin_(origin) {
   if (!is_valid(origin)) throw std::invalid_argument("the origin is not finite, or no rotation");
-}
-
-template <int Dim>
-std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
-  return snapshot()->covariance(id);
-}
-
-template <int Dim>
-std::optional<PointMatrix<Dim>> IncrementalJoin<Dim>::covariance(const FeatureId& id) const {
-  return snapshot()->covariance(id);
 }
 
 template <int Dim>
@@ -85,7 +76,8 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const 
 template <int Dim>
 Expected<std::size_t> IncrementalJoin<Dim>::hold(SubmapUpdate<Dim> update) {
   if (!may_be_left_out(update)) {
-    return bad_input_of(update.source, "only updates without a segment, features and fixed poses can be left out");
+    return bad_input_of(update.source,
+                        "only updates of closures, without a segment, features, priors and fixed poses, can be left out");
   }
   return accept(std::move(update)).map([&] {
     left_out_.insert(updates_.size() - 1);
@@ -116,7 +108,7 @@ AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::
   }
   std::ranges::sort(waiting_);
   settle({}, changed);
-  if (has_lost || !is_converged_ || has_outgrown(chi2_before, dof_before)) adopt_batch({}, stop, changed);
+  if (has_lost || !is_converged_ || has_outgrown(chi2_before, dof_before)) join_all(stop, changed);
   if (!waiting_.empty()) admit_waiting(stop, changed);
   changed.is_joined = waiting_.empty();
   return published(changed);
@@ -126,7 +118,7 @@ template <int Dim>
 AddedUpdate IncrementalJoin<Dim>::rejoin(const std::stop_token& stop) {
   AddedUpdate rejoined;
   settle({}, rejoined);
-  adopt_batch({}, stop, rejoined);
+  join_all(stop, rejoined);
   rejoined.is_joined = waiting_.empty();
   return published(rejoined);
 }
@@ -141,7 +133,7 @@ void IncrementalJoin<Dim>::join_last(const std::stop_token& stop, AddedUpdate& a
     const auto deferred = estimate_.defer();
     if (deferred) note(*deferred, added);
     if (!deferred || has_outgrown(chi2_before, dof_before)) settle(*variables, added);
-    if (!is_converged_ || has_outgrown(chi2_before, dof_before)) adopt_batch({}, stop, added);
+    if (!is_converged_ || has_outgrown(chi2_before, dof_before)) join_all(stop, added);
   } else {
     waiting_.push_back(updates_.size() - 1);
   }
@@ -234,6 +226,28 @@ void IncrementalJoin<Dim>::adopt_tied(const std::stop_token& stop, AddedUpdate& 
   for (const std::vector<std::size_t>& tied : tied_updates(updates_, waiting_, estimate_)) {
     if (adopt_batch(tied, stop, added) || stop.stop_requested()) return;
   }
+}
+
+template <int Dim>
+void IncrementalJoin<Dim>::join_all(const std::stop_token& stop, AddedUpdate& added) {
+  std::vector<std::size_t> joined;  // those that name something, and so are of a part
+  for (std::size_t k = 0; k < updates_.size(); ++k) {
+    const bool names_nothing = updates_[k].poses.empty() && updates_[k].features.empty();
+    if (!names_nothing && !left_out_.contains(k) && !is_waiting(k)) joined.push_back(k);
+  }
+  const auto parts = tied_updates(updates_, joined, NamedEstimate<Dim>{});
+  if (parts.size() <= 1) {
+    adopt_batch({}, stop, added);
+    return;
+  }
+  const std::vector<std::size_t> waiting = waiting_;
+  append(waiting_, joined);
+  std::ranges::sort(waiting_);
+  for (const std::vector<std::size_t>& part : parts) {
+    if (stop.stop_requested()) break;
+    if (adopt_batch(part, stop, added)) return;
+  }
+  waiting_ = waiting;
 }
 
 template <int Dim>

@@ -66,12 +66,13 @@ class IncrementalJoin {
   /// Bad input if add() would find it with these updates added one after the other.
   Expected<void> check(std::span<const SubmapUpdate<Dim>> updates) const;
 
-  /// Adds an update of closures, without a segment, features and fixed poses, but leaves it out. Returns its number: updates
-  /// count from 0 as they were added. Bad input as add(), and for any other update.
+  /// Adds an update of closures, without a segment, features, priors and fixed poses, but leaves it out. Returns its number:
+  /// updates count from 0 as they were added. Bad input as add(), and for any other update.
   Expected<std::size_t> hold(SubmapUpdate<Dim> update);
   /// Takes updates out, by their numbers, as if they had never been joined, and joins others that were left out; all must be
   /// such as hold() adds. An update that was in the estimate may have bent it too far for steps to lead back: the others are
-  /// then joined by join(), too, once. std::invalid_argument if a number is not that of such an update.
+  /// then joined by join(), too, once. If they are tied in parts only, the first part that can be joined stays, and the updates
+  /// of the others wait. std::invalid_argument if a number is not that of such an update.
   AddedUpdate change(std::span<const std::size_t> out, std::span<const std::size_t> in, const std::stop_token& stop = {});
 
   /// Joins all updates in the estimate by join(), and takes the result if its chi2 is less.
@@ -88,8 +89,8 @@ class IncrementalJoin {
   /// that of the present estimate: the information of deferred maps on variables that were known before does not count yet.
   /// Residuals err by less than 0.5 % of a standard deviation (rms, if maps fit as their covariances say), but Jacobians of a
   /// pose in space may be older than a turn of less than 1 rad, until the next map that concerns it.
-  std::optional<PoseMatrix<Dim>> covariance(const PoseId& id) const;
-  std::optional<PointMatrix<Dim>> covariance(const FeatureId& id) const;
+  std::optional<PoseMatrix<Dim>> covariance(const PoseId& id) const { return snapshot()->covariance(id); }
+  std::optional<PointMatrix<Dim>> covariance(const FeatureId& id) const { return snapshot()->covariance(id); }
   double chi2() const { return estimate_.chi2(); }
   std::int64_t dof() const { return estimate_.dof(); }
   std::size_t waiting() const { return waiting_.size(); }
@@ -119,6 +120,9 @@ class IncrementalJoin {
   /// The number of poses and features that the waiting updates share with the estimate.
   std::size_t shared_by_waiting() const;
   void admit_waiting(const std::stop_token& stop, AddedUpdate& added);
+  /// Joins all updates in the estimate by join(), and takes the result if chi2 is less. If they are tied in parts only, as
+  /// others were taken out, takes the first part that can be joined, and the updates of the others wait.
+  void join_all(const std::stop_token& stop, AddedUpdate& added);
   /// Joins all updates in the estimate and these waiting ones by join(), and takes the result; if none wait, only if chi2 is
   /// less. True if it was taken.
   bool adopt_batch(const std::vector<std::size_t>& waiting, const std::stop_token& stop, AddedUpdate& added);

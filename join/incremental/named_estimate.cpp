@@ -177,6 +177,7 @@ void NamedEstimate<Dim>::add_factors(const SubmapUpdate<Dim>& update, std::vecto
 template <int Dim>
 void NamedEstimate<Dim>::leave(const SubmapUpdate<Dim>& update) {
   const auto entered = factors_.extract(&update);
+  if (!entered) return;  // it has no factors
   for (const FactorIndex f : entered.mapped()) estimate_.remove_factor(f);
 }
 
@@ -202,12 +203,15 @@ template <int Dim>
 StepSize NamedEstimate<Dim>::moved_from(const NamedEstimate& before) const {
   StepSize moved;
   for (const auto& [id, v] : before.names_->poses()) {
-    const PoseVector<Dim> step = local(before.estimate_.variable(v).value, *pose(id));
+    const Pose<Dim>* now = pose(id);
+    if (!now) continue;
+    const PoseVector<Dim> step = local(before.estimate_.variable(v).value, *now);
     moved.metres = std::max(moved.metres, step.template head<Dim>().norm());
     moved.radians = std::max(moved.radians, step.template tail<kRotationDof<Dim>>().norm());
   }
   for (const auto& [id, v] : before.names_->features()) {
-    moved.metres = std::max(moved.metres, (before.estimate_.variable(v).value.translation - *feature(id)).norm());
+    const Point<Dim>* now = feature(id);
+    if (now) moved.metres = std::max(moved.metres, (before.estimate_.variable(v).value.translation - *now).norm());
   }
   return moved;
 }

@@ -56,7 +56,7 @@ class NamedEstimate {
   Settling settle(std::span<const JoinedIndex> last) { return estimate_.settle(last); }
   /// The estimate as of the last settling or deferral.
   std::shared_ptr<const JoinedSnapshot<Dim>> snapshot();
-  /// The largest move of a pose or feature from `before` to this.
+  /// The largest move of a pose or feature from `before` to this, of those in both.
   StepSize moved_from(const NamedEstimate& before) const;
 
  private:

@@ -126,6 +126,7 @@ std::vector<SumNode> eliminate(const QuadraticSum& sum) {
     given.push_back(given_front(*sum.quadratics[q], blocks.places(q), blocks, elimination));
   }
   EliminatedFronts fronts = eliminate_fronts(elimination.matrix, given);
+  std::erase(fronts.singular, elimination.matrix.size() - 1);  // the last column is FrontTree::kOne's, whose value is known
 
   const auto variables_of = [&](const auto& columns) {
     std::vector<Variable> variables;

@@ -40,6 +40,7 @@ struct SumNode {
 };
 
 /// The elimination tree of the sum, children before their parents: each variable is in one front, and each quadratic a leaf.
+/// FrontTree::kOne must be the only variable of the highest rank; as its value is known, it makes no front singular.
 std::vector<SumNode> eliminate(const QuadraticSum& sum);
 
 }  // namespace mapjoin

@@ -14,7 +14,7 @@
 namespace mapjoin {
 namespace {
 
-/// The ratio of updates to those at the last verdict from which on the next one may be asked for.
+/// The ratio of updates to those when find_inliers() was asked last from which on it may be asked again.
 constexpr double kGrowth = 1.25;
 
 /// Names an update without a source by its number.
@@ -182,7 +182,7 @@ Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add_all(std::vector<SubmapUp
   }
   RobustlyAdded done;
   done.added = join_.add_all(std::move(updates), stop).value();
-  hold(std::move(closures), stop, done).value();
+  is_doubtful_ |= !hold(std::move(closures), stop, done).value().empty();  // held without a look at them
   if (!closures_.empty()) take_verdict(stop, done);
   done.added.is_joined = join_.waiting() == 0;
   compare_with(before, done);
@@ -214,14 +214,12 @@ void RobustIncrementalJoin<Dim>::try_closures(std::span<const std::size_t> closu
 template <int Dim>
 bool RobustIncrementalJoin<Dim>::is_due() const {
   return is_doubtful_ && !closures_.empty() &&
-         static_cast<double>(join_.update_count()) >= kGrowth * static_cast<double>(judged_at_);
+         static_cast<double>(join_.update_count()) >= kGrowth * static_cast<double>(asked_at_);
 }
 
 template <int Dim>
 void RobustIncrementalJoin<Dim>::take_verdict(const std::stop_token& stop, RobustlyAdded& done) {
   done.is_judged = true;
-  is_doubtful_ = false;
-  judged_at_ = join_.update_count();
   std::vector<const SubmapUpdate<Dim>*> believed;
   std::vector<const SubmapUpdate<Dim>*> doubtful;
   std::vector<std::size_t> numbers;  // of the doubtful
@@ -232,10 +230,12 @@ void RobustIncrementalJoin<Dim>::take_verdict(const std::stop_token& stop, Robus
     if (is_closure) numbers.push_back(k);
   }
   const auto kept = kept_closures(believed, doubtful, options_, stop);
+  if (kept || kept.error().kind != ErrorKind::kInterrupted) asked_at_ = join_.update_count();
   if (!kept) {
     done.no_verdict = kept.error();
     return;
   }
+  is_doubtful_ = false;
   std::vector<std::size_t> out;
   std::vector<std::size_t> in;
   for (std::size_t c = 0; c < numbers.size(); ++c) {

@@ -7,7 +7,7 @@
 // chi2 that grows by more than a map can explain. In doubt find_inliers() judges all closures so far, by the agreement of any
 // two of them and by maps of its own, and the estimate follows: closures that it rejects are taken out, those that it keeps are
 // joined. It is asked again once there are a quarter more updates, so that all its work is at most five times that of the last
-// time.
+// time; at the next update if a stop was requested meanwhile. Doubt lasts until there is a verdict.
 
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
@@ -86,7 +86,7 @@ class RobustIncrementalJoin {
   std::vector<std::size_t> closures_;  // their numbers among the updates of join_, ascending
   std::size_t added_ = 0;              // updates so far, however many closures they had
   bool is_doubtful_ = false;
-  std::size_t judged_at_ = 0;  // number of updates of join_ at the last verdict
+  std::size_t asked_at_ = 0;  // number of updates of join_ when find_inliers() was asked last, and not interrupted
 };
 
 }  // namespace mapjoin

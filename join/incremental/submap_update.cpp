@@ -156,7 +156,7 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
 
 template <int Dim>
 std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set) {
-  demand_sound(check_segments(set));
+  demand_sound(check_content(set).and_then([&] { return check_segments(set); }));
   std::vector<SubmapUpdate<Dim>> updates;
   auto map = set.graph.submaps.begin();
   for (const Segment& segment : set.segments) {

@@ -56,7 +56,7 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
                                                  const std::vector<LocalMap<Dim>>& maps);
 
 /// The updates of a set of local maps, one per segment, distributed as those of a log. Throws std::invalid_argument if
-/// check_segments() finds a fault.
+/// check_content() or check_segments() finds a fault.
 template <int Dim>
 std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set);
 

@@ -33,6 +33,7 @@ bool SubmapUpdateMaker<Dim>::is_kept(const PoseId& pose) const {
 
 template <int Dim>
 bool SubmapUpdateMaker<Dim>::add(const Log<Dim>& news) {
+  demand_sound(check_invariants(news));
   const auto name = [&](PoseIndex pose) { return news.poses[pose]; };
   for (const auto& o : news.edges()) {
     const PoseId base = name(o.base);
@@ -51,9 +52,8 @@ bool SubmapUpdateMaker<Dim>::add(const Log<Dim>& news) {
 template <int Dim>
 Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window(bool is_end) const {
   LogBuilder<Dim> builder("", {}, Numbers::kChecked);
-  for (const Edge& e : edges_) builder.add_pose_edge(e.base, e.target, e.observation.measured, e.observation.information);
-  for (const Observation& s : observations_)
-    builder.add_observation(s.pose, s.feature, s.observation.measured, s.observation.information);
+  for (const Edge& e : edges_) builder.add(e.base, e.target, e.observation);
+  for (const Observation& s : observations_) builder.add(s.pose, s.feature, s.observation);
   auto log = std::move(builder).finish(PoseOrder::kOfIds);
   if (!log) return tl::unexpected(log.error());
   Window window{*std::move(log), {}, 0};

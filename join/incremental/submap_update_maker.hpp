@@ -20,9 +20,9 @@ class SubmapUpdateMaker {
   /// `split` is by a number of poses, features or metres; kAuto is 10 poses, as its cost model needs the whole log.
   explicit SubmapUpdateMaker(SplitOptions split, MinimiseOptions solver = {});
 
-  /// Takes odometry, closures and feature observations; priors and fixed poses are ignored. False if an edge concerns a pose
-  /// that a map has eliminated, or an observation is from a pose of an update: the log must then be cut anew, from its begin,
-  /// by another maker.
+  /// Takes odometry, closures and feature observations, with their losses; priors and fixed poses are ignored. False if an edge
+  /// concerns a pose that a map has eliminated, or an observation is from a pose of an update: the log must then be cut anew,
+  /// from its begin, by another maker. Throws std::invalid_argument if check_invariants() finds a fault.
   bool add(const Log<Dim>& news);
   /// The updates that are complete; at the end of the log all that is left. Bad input if a pose cannot be named.
   Expected<std::vector<SubmapUpdate<Dim>>> take(bool is_end);

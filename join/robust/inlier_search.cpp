@@ -178,9 +178,9 @@ class InlierSearch {
     return rejected({PartKind::kObservation, seen.base, seen.target, observation_tests_[k].chi2, Dim},
                     gates_.widest.observations, k);
   }
-  Rejected rejected(Misfit misfit, double widest, std::size_t observation) const {
+  Rejected rejected(Misfit misfit, double widest, std::size_t place) const {
     misfit.probability = std::min(1.0, screening_.doubtful_count * chi_squared_upper_tail(misfit.chi2, misfit.rows));
-    return {misfit, misfit.chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted, observation};
+    return {misfit, misfit.chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted, place};
   }
 
   bool is_kept(std::size_t closure) const { return judged_.standing[closure] == Standing::kKept; }

@@ -2,21 +2,20 @@
 #include <Eigen/Eigenvalues>
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/study/convexity_pairs.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 
 namespace mapjoin {
 namespace {
 
-/// S with S Sᵀ = W⁻¹, zero in directions that W does not measure. W is scaled to a unit diagonal, so that metres and radians
-/// weigh alike.
-Eigen::MatrixXd deviation(const Eigen::MatrixXd& W) {
-  constexpr double kZero = 1e-9;  // as for the rank of W
-  const Eigen::VectorXd diagonal = W.diagonal();
-  const Eigen::VectorXd scale = (diagonal.array() > 0.0).select(diagonal.array().rsqrt(), 0.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * W * scale.asDiagonal());
+/// S with S Sᵀ = W⁻¹, zero in directions that W does not measure.
+template <int Rows>
+Eigen::MatrixXd deviation(const Matrix<Rows>& W) {
+  const UnitScaled<Rows> scaled = unit_scaled<Rows>(W);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled.W);
   const Eigen::VectorXd values = eigen.eigenvalues();
-  const Eigen::VectorXd roots = (values.array() > kZero).select(values.array().rsqrt(), 0.0);
-  return scale.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
+  const Eigen::VectorXd roots = (values.array() > scaled.rounding).select(values.array().rsqrt(), 0.0);
+  return scaled.scale.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
 }
 
 template <int Rows>

@@ -57,7 +57,7 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
   fit.kind = std::move(kind);
   fit.count = residuals.size();
   fit.scale = median_scale(residuals);
-  ChiSquaredQuantiles most(1.0 - 1e-3 / static_cast<double>(std::max<std::size_t>(1, residuals.size())));
+  ChiSquaredQuantiles most(1e-3 / static_cast<double>(std::max<std::size_t>(1, residuals.size())));
   std::vector<std::size_t> outliers;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const auto& [chi2, rows] = residuals[i];

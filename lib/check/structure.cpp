@@ -55,8 +55,9 @@ void check_features(const Tied& tied, Findings& findings) {
 template <typename Tied>
 void check_parts(const Tied& tied, Findings& findings) {
   Places parts;
-  for (const std::size_t v : component_roots(make_graph(vertices_of(tied).size(), ties_of(tied)))) {
-    const bool is_unobserved = vertices_of(tied).is_feature(v);
+  const Graph graph = make_graph(vertices_of(tied).size(), ties_of(tied));
+  for (const std::size_t v : component_roots(graph)) {
+    const bool is_unobserved = vertices_of(tied).is_feature(v) && out_degree(static_cast<Vertex>(v), graph) == 0;
     if (!is_unobserved) parts.add(name_of(v, tied));
   }
   if (parts.count < 2) return;

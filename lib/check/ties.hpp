@@ -75,15 +75,14 @@ struct Names {
 /// Performs check_connected() on edges between TieVertices; `advice` ends the message if there are several components.
 Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice);
 
-/// The first vertex of each connected component. The World counts only if something is tied to it.
+/// The first pose of each connected component, or the feature of one without poses.
 inline std::vector<std::size_t> component_roots(const Graph& graph) {
   const std::vector<std::uint32_t> component = components_of(graph);
+  std::vector<bool> is_known(component.size());
   std::vector<std::size_t> roots;
-  std::uint32_t known = 0;
-  for (std::size_t v = 0; v < component.size(); ++v) {
-    if (component[v] < known) continue;
-    known = component[v] + 1;
-    if (v != TieVertices::kWorldVertex || out_degree(Vertex{TieVertices::kWorldVertex}, graph) > 0) roots.push_back(v);
+  for (std::size_t v = TieVertices::kWorldVertex + 1; v < component.size(); ++v) {
+    if (!is_known[component[v]]) roots.push_back(v);
+    is_known[component[v]] = true;
   }
   return roots;
 }

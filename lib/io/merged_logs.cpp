@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <mapjoin/io/merged_logs.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <optional>
@@ -157,6 +158,25 @@ std::int64_t drop_partial_stamps(std::vector<Log<Dim>>& logs) {
   return dropped;
 }
 
+/// Removes the initial values of all logs if several have values of one feature, of which each says where it is in its own
+/// frame; the number of removed ones.
+template <int Dim>
+std::int64_t drop_values_of_own_frames(std::vector<Log<Dim>>& logs) {
+  FeatureIds valued;
+  for (const Log<Dim>& log : logs) {
+    if (!log.initial.features.empty()) append(valued, log.features);
+  }
+  const std::size_t all = valued.size();
+  make_distinct(valued);
+  if (valued.size() == all) return 0;
+  std::int64_t dropped = 0;
+  for (Log<Dim>& log : logs) {
+    dropped += std::ssize(log.initial.poses) + std::ssize(log.initial.features);
+    log.initial = {};
+  }
+  return dropped;
+}
+
 }  // namespace
 
 Expected<Conventions> common_conventions(const std::vector<NamedConventions>& all) {
@@ -207,6 +227,7 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
   if (!conventions) return tl::unexpected(conventions.error());
   const std::int64_t released = release_later(logs);
   const std::int64_t stamps = drop_partial_stamps(logs);
+  const std::int64_t values = drop_values_of_own_frames(logs);
   const auto sessions = first_sessions(logs);
   if (!sessions) return tl::unexpected(sessions.error());
   const std::vector<std::uint32_t>& first = *sessions;
@@ -224,6 +245,7 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
   if (ties.copies() > 0) builder.add_skipped("copies of edges in another file", ties.copies());
   if (released > 0) builder.add_skipped("fixed poses of later files", released);
   if (stamps > 0) builder.add_skipped("time stamps that other files lack", stamps);
+  if (values > 0) builder.add_skipped("initial values, each in the frame of its file", values);
   return std::move(builder).finish();
 }
 

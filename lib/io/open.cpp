@@ -4,6 +4,7 @@
 #include <mapjoin/io/files/archive.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/local_maps/local_map_file.hpp>
 #include <mapjoin/io/mrclam/mrclam.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/io/run_folder.hpp>
@@ -15,6 +16,12 @@ namespace mapjoin {
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options) {
   if (is_mrclam_folder(path)) return read_mrclam(path);
   if (is_run_folder(path)) return read_run_folder(path, options);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return bad_input(path.string() +
+                     ": a folder is a log if Barcodes.dat (of UTIAS MRCLAM) or map.g2o (of a run) is in it; `mapjoin join` "
+                     "takes folders of localmap_<k>.mat or .txt");
+  }
   return FileBytes::read(path).and_then([&](const FileBytes& bytes) { return read_log(bytes.view(), path.string(), options); });
 }
 
@@ -62,7 +69,7 @@ Expected<AnyLog> open_logs(const std::vector<std::filesystem::path>& paths, Read
 
 bool may_hold_maps(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return !is_mrclam_folder(path) && !is_run_folder(path);
+  if (std::filesystem::is_directory(path, ignored)) return !is_mrclam_folder(path) && has_local_maps(path);
   if (!std::filesystem::is_regular_file(path, ignored)) return false;  // A pipe can be read only once.
   if (is_store(path)) return true;
   const auto bytes = FileBytes::read(path);

@@ -26,8 +26,8 @@ Expected<AnyLog> open_logs(const std::vector<std::filesystem::path>& paths, Read
 /// Local maps of others, or local maps built from a log together with that log.
 using AnyMaps = std::variant<SubmapSet<2>, SubmapSet<3>, StoredMaps<2>, StoredMaps<3>>;
 
-/// True if the path is of a kind that open_maps() takes: a folder, a tar archive or a store. False for folders of MRCLAM data
-/// and of runs, and for files of logs.
+/// True if the path is of a kind that open_maps() takes: a folder with local maps, a tar archive or a store. False for folders
+/// of MRCLAM data, and for files of logs.
 bool may_hold_maps(const std::filesystem::path& path);
 
 /// The local maps in a folder or a .tar or .tar.gz archive of localmap_<k>.mat or .txt (see read_local_map_set()), or in a

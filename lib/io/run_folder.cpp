@@ -16,14 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool has_local_maps(const fs::path& folder) {
-  std::error_code failure;
-  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end; entry.increment(failure)) {
-    if (local_map_number(entry->path().filename().string())) return true;
-  }
-  return false;
-}
-
 /// The poses and features in the tables of a run.
 template <int Dim>
 Expected<GlobalMap<Dim>> read_tables(const fs::path& poses, const fs::path& features) {

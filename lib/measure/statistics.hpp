@@ -44,18 +44,18 @@ double chi_squared_quantile(double p, double dof);
 /// The chi-squared value that is exceeded with probability `tail`, 0 < tail < 1, however small; 0 without degrees of freedom.
 double chi_squared_upper_quantile(double tail, double dof);
 
-/// Chi-squared quantiles of one probability, computed once for each number of degrees of freedom.
+/// The chi-squared values that are exceeded with one probability, computed once for each number of degrees of freedom.
 class ChiSquaredQuantiles {
  public:
-  explicit ChiSquaredQuantiles(double p) : p_(p) {}
+  explicit ChiSquaredQuantiles(double tail) : tail_(tail) {}
   double operator()(std::int64_t dof) {
     const auto [known, is_new] = of_.emplace(dof, 0.0);
-    if (is_new) known->second = chi_squared_quantile(p_, static_cast<double>(dof));
+    if (is_new) known->second = chi_squared_upper_quantile(tail_, static_cast<double>(dof));
     return known->second;
   }
 
  private:
-  double p_;
+  double tail_;
   std::map<std::int64_t, double> of_;
 };
 

@@ -32,7 +32,7 @@ constexpr auto enum_names(RotationInformation) {
 /// The information matrices in use.
 enum class Covariance : std::uint8_t {
   kOriginal,  ///< As the file gives them.
-  kIdentity,  ///< Every information matrix replaced by the identity (paper's Table I).
+  kIdentity,  ///< Every information matrix replaced by the identity of what it measures (paper's Table I).
 };
 
 constexpr auto enum_names(Covariance) {

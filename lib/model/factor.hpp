@@ -71,11 +71,20 @@ PoseFactor<Dim> without_lever(PoseFactor<Dim> prior, const Pose<Dim>& target) {
   constexpr int kRot = kRotationDof<Dim>;
   PointPoseMatrix<Dim> J_end_target;
   const Point<Dim> lever = transform(target, prior.lever, &J_end_target) - target.translation;
-  PoseMatrix<Dim> J = PoseMatrix<Dim>::Identity();
-  J.template topRows<Dim>() = J_end_target;
-  if (!measures_rotation(prior)) prior.measured.rotation = target.rotation;
-  const RotationVector<Dim> r_rotation = (target.rotation.inverse() * prior.measured.rotation).log();
-  prior.measured.translation -= lever + J.template topRightCorner<Dim, kRot>() * r_rotation;
+  const auto J_end_rotation = J_end_target.template rightCols<kRot>();
+  const auto is_measured = prior.information.diagonal().template tail<kRot>().array() > 0.0;
+  // A rotation residual r has the Jacobian Jr⁻¹(-r). Without the lever r is such that the measured rows of J_lever r are those
+  // of the residual with it, and the others zero.
+  const RotationVector<Dim> r_lever = (target.rotation.inverse() * prior.measured.rotation).log();
+  const RotationVector<Dim> r_measured = is_measured.select(r_lever.array(), 0.0);
+  const RotationJacobian<Dim> J_lever = right_jacobian_inverse(RotationVector<Dim>(-r_lever));
+  const RotationVector<Dim> r = J_lever.inverse() * r_measured;
+  const RotationJacobian<Dim> J_inverse = right_jacobian_inverse(RotationVector<Dim>(-r)).inverse();
+  PoseMatrix<Dim> J = PoseMatrix<Dim>::Identity();  // of the residual with the lever by that without it
+  J.template topRightCorner<Dim, kRot>() = J_end_rotation * J_inverse;
+  J.template bottomRightCorner<kRot, kRot>() = J_lever * J_inverse;
+  prior.measured.translation -= lever + J_end_rotation * r;
+  prior.measured.rotation = target.rotation * Rotation<Dim>::exp(r);
   const PoseMatrix<Dim> W = J.transpose() * prior.information * J;
   prior.information = 0.5 * (W + W.transpose());
   prior.lever.setZero();

@@ -56,13 +56,14 @@ struct FactorSelection {
   bool empty() const { return pose_factors.empty() && feature_factors.empty() && submaps.empty(); }
 };
 
-/// Replaces every information matrix of a log or a set of maps by the identity, and records that in its conventions (paper's
-/// Table I).
+/// Replaces every information matrix of a log or a set of maps by the identity of what it measures, and records that in its
+/// conventions (paper's Table I).
 template <typename Data>
 void use_identity_covariance(Data& data) {
-  for (auto& factor : data.graph.pose_factors) factor.information.setIdentity();
-  for (auto& factor : data.graph.feature_factors) factor.information.setIdentity();
-  for (auto& submap : data.graph.submaps) submap.information.setIdentity();
+  const auto replace = [](auto& information) { information = measured_identity(information); };
+  for (auto& factor : data.graph.pose_factors) replace(factor.information);
+  for (auto& factor : data.graph.feature_factors) replace(factor.information);
+  for (auto& submap : data.graph.submaps) replace(submap.information);
   data.conventions.covariance = Covariance::kIdentity;
 }
 

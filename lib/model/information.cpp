@@ -3,7 +3,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
+#include <limits>
 #include <mapjoin/model/information.hpp>
 
 namespace mapjoin {
@@ -118,12 +120,35 @@ std::optional<std::string> InformationCheck::invert(Matrix<Size>& covariance) {
 }
 
 template <int Rows>
-std::int64_t information_rank(const Matrix<Rows>& W) {
-  constexpr double kZero = 1e-9;
+UnitScaled<Rows> unit_scaled(const Matrix<Rows>& W) {
   const Vector<Rows> diagonal = W.diagonal();
   const Vector<Rows> scale = (diagonal.array() > 0.0).select(diagonal.array().rsqrt(), 0.0);
-  const Eigen::LDLT<Matrix<Rows>> ldlt(scale.asDiagonal() * W * scale.asDiagonal());
-  return (ldlt.vectorD().array() > kZero).count();
+  const double of_factorisation = static_cast<double>(W.rows()) * std::numeric_limits<double>::epsilon();
+  return {scale, scale.asDiagonal() * W * scale.asDiagonal(), Rows == Eigen::Dynamic ? of_factorisation : kRoundOff};
+}
+
+template <int Rows>
+std::int64_t information_rank(const Matrix<Rows>& W) {
+  const UnitScaled<Rows> scaled = unit_scaled<Rows>(W);
+  return (Eigen::LDLT<Matrix<Rows>>(scaled.W).vectorD().array() > scaled.rounding).count();
+}
+
+template <int Rows>
+Matrix<Rows> measured_identity(const Matrix<Rows>& W) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < W.rows(); ++i) {
+    if (W(i, i) > 0.0) rows.push_back(i);
+  }
+  const auto rank = static_cast<Eigen::Index>(information_rank<Rows>(W));
+  Eigen::MatrixXd projector = Eigen::MatrixXd::Identity(std::ssize(rows), std::ssize(rows));
+  if (rank < std::ssize(rows)) {
+    const Matrix<Rows> range = W * unit_scaled<Rows>(W).scale.asDiagonal();
+    const Eigen::MatrixXd Q = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(range(rows, rows)).householderQ();
+    projector = Q.leftCols(rank) * Q.leftCols(rank).transpose();
+  }
+  Matrix<Rows> identity = Matrix<Rows>::Zero(W.rows(), W.cols());
+  identity(rows, rows) = projector;
+  return identity;
 }
 
 Eigen::MatrixXd marginal_information(const Eigen::MatrixXd& W, const std::vector<Eigen::Index>& L,
@@ -136,7 +161,9 @@ Eigen::MatrixXd marginal_information(const Eigen::MatrixXd& W, const std::vector
 
 #define MAPJOIN_INSTANTIATE(Size)                                                            \
   template std::optional<Matrix<Size>> information_of_covariance<Size>(const Matrix<Size>&); \
+  template UnitScaled<Size> unit_scaled<Size>(const Matrix<Size>&);                          \
   template std::int64_t information_rank<Size>(const Matrix<Size>&);                         \
+  template Matrix<Size> measured_identity<Size>(const Matrix<Size>&);                        \
   template std::optional<std::string> InformationCheck::fault<Size>(Matrix<Size>&);          \
   template std::optional<std::string> InformationCheck::invert<Size>(Matrix<Size>&);
 MAPJOIN_INSTANTIATE(2)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Information matrices: the check and repair of each of them, and of covariances, on input; their rank and marginals.
+// Information matrices: the check and repair of each of them, and of covariances, on input; their rank, range and marginals.
 
 #include <cstdint>
 #include <mapjoin/geometry/rotation.hpp>
@@ -51,10 +51,26 @@ class InformationCheck {
   MatrixRepairs repairs_;
 };
 
-/// The rank of a positive semidefinite matrix, by pivoted Cholesky of W scaled to a unit diagonal: metres and radians weigh
-/// alike.
+/// W scaled to a unit diagonal, so that metres and radians weigh alike: D W D.
+template <int Rows>
+struct UnitScaled {
+  Vector<Rows> scale;  ///< The diagonal of D; 0 for rows that are not measured.
+  Matrix<Rows> W;
+  /// The largest pivot or eigenvalue that is rounding: 1e-9 for an observation, of fixed size, whose numbers a text may have
+  /// rounded; n ε for a local map, of dynamic size, which may be stiff inside and hang softly on its base.
+  double rounding;
+};
+template <int Rows>
+UnitScaled<Rows> unit_scaled(const Matrix<Rows>& W);
+
+/// The rank of a positive semidefinite matrix: the number of pivots of its Cholesky factor that are not rounding, scaled to a
+/// unit diagonal.
 template <int Rows>
 std::int64_t information_rank(const Matrix<Rows>& W);
+
+/// The projector onto the range of a positive semidefinite matrix: the identity of what it measures. Zero rows stay zero.
+template <int Rows>
+Matrix<Rows> measured_identity(const Matrix<Rows>& W);
 
 /// The information of the rows L with N marginalised: W_LL - W_LN W_NN⁻¹ W_NL. It splits rᵀWr into the marginal cost of L and
 /// the cost of N given L, which is never negative.

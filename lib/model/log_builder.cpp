@@ -188,7 +188,7 @@ Expected<Log<Dim>> LogBuilder<Dim>::finish_with(F&& order_poses) {
 
 template <int Dim>
 Expected<void> LogBuilder<Dim>::check_names() const {
-  if (log_.poses.empty()) return bad_input("the log has no poses");
+  if (log_.poses.empty() && needs_poses_) return bad_input("the log has no poses");
   constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
   if (log_.poses.size() < kMost && log_.features.size() < kMost) return {};
   return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("more than {} poses or features", kMost)});

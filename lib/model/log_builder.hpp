@@ -66,6 +66,8 @@ class LogBuilder {
   }
   /// Adds a reader's repairs of matrices that it added.
   void add_repairs(const MatrixRepairs& repairs) { log_.conventions.repairs += repairs; }
+  /// Lets finish() build a log without poses, as some lines of a file may be.
+  void allow_no_poses() { needs_poses_ = false; }
   /// Appends the input of another builder, as if it were added next.
   void append(const LogBuilder& other);
   /// Appends a log without its foreign edges, its session n as session `first_session` + n, and adds its repairs to those in
@@ -153,6 +155,7 @@ class LogBuilder {
   Expected<std::vector<FixedPose<Dim>>> resolve_fixed() const;
 
   Numbers numbers_;
+  bool needs_poses_ = true;
   Log<Dim> log_;
   Kind<PoseId, Pose<Dim>, PoseFactor<Dim>> poses_;
   Kind<FeatureId, Point<Dim>, FeatureFactor<Dim>> features_;

@@ -9,7 +9,7 @@
 namespace mapjoin {
 namespace {
 
-/// The largest entry of a null vector, relative to its largest, that counts as rounding.
+/// The largest entry of a null vector, relative to its largest, that counts as rounding; metres are in units of the extent.
 constexpr double kNothing = 1e-6;
 /// The most parts of the map, and variables of each, that are named.
 constexpr std::size_t kMostNamedParts = 3;
@@ -152,8 +152,21 @@ std::string motion_in_words(const FreePart<Dim>& part, const std::vector<PlacedV
 }  // namespace
 
 template <int Dim>
-std::string free_directions(const std::vector<PlacedVariable<Dim>>& variables, const Eigen::MatrixXd& null_space) {
-  Eigen::MatrixXd N = null_space;
+double extent_of(const std::vector<PlacedVariable<Dim>>& variables) {
+  double extent = 0.0;
+  for (const auto& variable : variables) {
+    extent = std::max(extent, (variable.value.translation - variables.front().value.translation).norm());
+  }
+  return extent > 0.0 ? extent : 1.0;
+}
+
+template <int Dim>
+std::string free_directions(std::vector<PlacedVariable<Dim>> variables, Eigen::MatrixXd N) {
+  const double extent = extent_of(variables);
+  for (auto& variable : variables) {
+    variable.value.translation /= extent;
+    if (variable.offset >= 0) N.middleRows<Dim>(variable.offset) /= extent;
+  }
   for (auto column : N.colwise()) column /= column.cwiseAbs().maxCoeff();
   std::vector<std::string> sentences;
   for (const auto& part : parts_of(variables, N)) {
@@ -166,7 +179,11 @@ std::string free_directions(const std::vector<PlacedVariable<Dim>>& variables, c
   return fmt::format("{}", fmt::join(sentences, "; "));
 }
 
-template std::string free_directions(const std::vector<PlacedVariable<2>>&, const Eigen::MatrixXd&);
-template std::string free_directions(const std::vector<PlacedVariable<3>>&, const Eigen::MatrixXd&);
+#define MAPJOIN_INSTANTIATE(Dim)                                      \
+  template double extent_of(const std::vector<PlacedVariable<Dim>>&); \
+  template std::string free_directions(std::vector<PlacedVariable<Dim>>, Eigen::MatrixXd);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin

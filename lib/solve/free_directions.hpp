@@ -18,10 +18,15 @@ struct PlacedVariable {
   bool is_pose = true;
 };
 
+/// The largest distance of a variable from the first one, the unit in which lengths compare with angles (m); 1 if all are at
+/// one place.
+template <int Dim>
+double extent_of(const std::vector<PlacedVariable<Dim>>& variables);
+
 /// The directions of a null space, a column each, as a sentence: "pose 5 and pose 6 cannot be determined: the observations
 /// leave them free to turn as a whole about feature 7". Directions that have variables in common are named together, at most
 /// three such parts of the map. Empty if the null space is.
 template <int Dim>
-std::string free_directions(const std::vector<PlacedVariable<Dim>>& variables, const Eigen::MatrixXd& null_space);
+std::string free_directions(std::vector<PlacedVariable<Dim>> variables, Eigen::MatrixXd null_space);
 
 }  // namespace mapjoin

@@ -123,7 +123,7 @@ TEST_F(Certainty, WhatAnEarlierMapLeftBesideIsSaidAndNeitherRemovedNorDrawn) {
   const Ended again = call({"solve", path("log.g2o"), "-o", path("map.g2o"), "--quiet"});
   EXPECT_EQ(again.exit_code, 0);
   for (const std::string name : {"map.covariances.json", "map.relations.csv"}) {
-    EXPECT_THAT(again.err, HasSubstr("mapjoin: " + path(name) + ": was there before and is not of "));
+    EXPECT_THAT(again.err, HasSubstr("mapjoin: " + path(name) + ": was there before, and this call did not write it; "));
   }
   EXPECT_EQ(content_of(path("map.relations.csv")), relations);
   const Ended plotted = call({"plot", path("map.g2o"), "-o", path("map.svg")});
@@ -204,6 +204,16 @@ TEST_F(Certainty, TheSummaryGivesAVerdict) {
   EXPECT_THAT(ended.out, HasSubstr("dimensions, consistent ("));
 }
 
+TEST_F(Certainty, ATruthInAnotherFrameThanThePriorsIsNotCalledOverconfidenceForSure) {
+  const std::string prior = "EDGE_PRIOR_SE2 0 0 0 0 100 0 0 100 0 100\n";
+  const std::string truth = folder.file("far.tum", "0 50 0 0 0 0 0 1\n1 51 0 0 0 0 0 1\n2 52 0 0 0 0 0 1\n").string();
+  EXPECT_THAT(call({"run", folder.file("log.g2o", kSmallLog + prior).string(), "--truth", truth}).out,
+              HasSubstr("over 9 dimensions, OVERCONFIDENT, unless the truth is in another frame than the map ("));
+  EXPECT_THAT(call({"run", folder.file("log.g2o", kSmallLog).string(), "--truth", truth}).out,
+              HasSubstr("over 6 dimensions, cautious ("))
+      << "a map that one pose holds has no frame of its own";
+}
+
 TEST_F(Certainty, ATruthThatDoesNotFitIsRefused) {
   simulate("3", "space.g2o");
   simulate("2", "truth.g2o");
@@ -221,6 +231,8 @@ TEST_F(Certainty, TooMuchMemoryIsRefusedAndNothingIsWritten) {
   EXPECT_EQ(ended.exit_code, 6);
   EXPECT_THAT(ended.err, HasSubstr("more than the 0.01 MB allowed"));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
+  EXPECT_THAT(call({"run", path("log.g2o"), "--max-memory", "1"}).err,
+              HasSubstr("--max-memory is of --covariances, --relations and --truth"));
   for (const std::string none : {"0", "-1", "1e-9", "much"}) {
     const Ended refused = call({"run", path("log.g2o"), "--covariances", "--max-memory", none});
     EXPECT_EQ(refused.exit_code, 2);

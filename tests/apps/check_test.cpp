@@ -45,6 +45,7 @@ TEST(Check, WeighsResidualsAtTheJoinedMap) {
   double chi2 = 0.0;
   for (const json& fit : report["fits"]) chi2 += fit["chi2"].get<double>();
   EXPECT_NEAR(chi2, 4702.179445, 1e-5);
+  EXPECT_EQ(report["chi2"], chi2);
   EXPECT_EQ(report["dof"], 4762);
   EXPECT_EQ(report["estimate"], "joined");
   EXPECT_TRUE(checked({log, "--estimate", "none"}, 0)["fits"].empty());
@@ -130,6 +131,7 @@ TEST(Check, ReportsALogThatFallsApartInsteadOfRefusingIt) {
   const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 8 9 1 0 0 1 0 0 1 0 1\n");
   const json report = checked({log.string()}, 1);
   EXPECT_EQ(finding(report, "parts")["level"], "error");
+  EXPECT_EQ(report["chi2"], nullptr);
   EXPECT_EQ(report["dof"], nullptr);
   EXPECT_EQ(finding(report, "undetermined"), nullptr) << "nothing is joined";
 }
@@ -165,6 +167,17 @@ TEST(Check, CountsTheSameFreedomAtEitherMapThatPriorsHold) {
   };
   EXPECT_EQ(dof_at("file"), dof_at("joined"));
   EXPECT_EQ(dof_at("joined"), 3);  // rows: odometry 6, observations 4, priors 4; unknowns: 9 of poses, 2 of the feature
+}
+
+TEST(Check, SaysWhatWasRepairedAndLeftOut) {
+  const TemporaryFolder folder;
+  const std::string dirt = "FOO 1\nEDGE_SE2 1 1 0 0 0 1 0 0 1 0 1\nEDGE_SE2_XY 1 7 1 1\nEDGE_SE2_XY 0 7 2 1 1 2 1\n";
+  const std::string out = call({"check", folder.file("log.g2o", kSmallLog + dirt).string(), "--skip-unknown",
+                                "--skip-self-edges", "--identity-where-missing", "--repair-information"})
+                              .out;
+  EXPECT_THAT(out, HasSubstr("note         1 indefinite information matrix was replaced by the nearest semidefinite one\n"));
+  EXPECT_THAT(out, HasSubstr("note         1 edge without weights got the identity\n"));
+  EXPECT_THAT(out, HasSubstr("note         left out: FOO lines (1), self-edges (1)\n"));
 }
 
 TEST(Check, CannotReadWhatIsNoLog) {

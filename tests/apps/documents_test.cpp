@@ -182,6 +182,8 @@ TEST(Documents, AComparisonNoticesWhatDiffers) {
   EXPECT_FALSE(difference({"seconds 0.10: read 0.00; 24 MB at most"}, {"seconds 12.30: read 1.00; 9 MB at most"}));
   EXPECT_TRUE(difference({"chi2 4702.179445"}, {"chi2 4703.179445"}));
   EXPECT_TRUE(difference({"1000 poses"}, {"1001 poses"}));
+  EXPECT_TRUE(difference({"features 0.1 m relative"}, {"features 0.059 m relative"}));
+  EXPECT_TRUE(difference({"would take 1.53 MB"}, {"would take 1.55 MB"}));
   EXPECT_TRUE(difference({"a"}, {"a", "b"}));
   EXPECT_TRUE(difference({"a", "b"}, {"a"}));
   EXPECT_TRUE(difference({"a", "…", "c"}, {"a", "b"}));

@@ -44,6 +44,23 @@ TEST_F(ErrorCommand, TakesTrajectoriesAndTables) {
   EXPECT_EQ(errors({"error", map, kitti})["ate"]["translation"]["count"], 2) << "by their count";
 }
 
+TEST_F(ErrorCommand, CountsThePosesOfATrajectoryWithoutTimesAlsoForAMapWithTimes) {
+  const std::string log = folder.file("drive.g2o", kSmallLog).string();
+  const std::string stamps = folder.file("stamps.txt", "0 1\n1 1.5\n2 2\n").string();
+  const std::string timed = (folder.path() / "timed").string();
+  const std::string counted = (folder.path() / "counted").string();
+  const std::string kitti = (folder.path() / "c.kitti").string();
+  ASSERT_EQ(call({"run", log, "--stamps", stamps, "-o", timed, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"run", log, "-o", counted, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"convert", timed + "/trajectory.tum", kitti, "--quiet"}).exit_code, 0);
+  for (const std::string& truth : {kitti, counted + "/trajectory.tum"}) {
+    for (const auto& of_map : {errors({"error", timed, truth}), errors({"run", log, "--stamps", stamps, "--truth", truth})}) {
+      EXPECT_EQ(of_map["ate"]["translation"]["count"], 3) << truth;
+      EXPECT_LT(of_map["ate"]["translation"]["max"], 1e-9) << truth;
+    }
+  }
+}
+
 TEST_F(ErrorCommand, TakesTheFolderOfARun) {
   const std::string run = (folder.path() / "run").string();
   ASSERT_EQ(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", run, "--quiet"}).exit_code, 0);
@@ -74,7 +91,10 @@ TEST_F(ErrorCommand, KnowsTheTimesInTheFolderOfARun) {
 TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const Ended none = call({"error", map, folder.file("other.g2o", "VERTEX_SE2 9 0 0 0\n").string()});
   EXPECT_EQ(none.exit_code, 3);
-  EXPECT_THAT(none.err, HasSubstr("other.g2o: has no pose of the map, neither by name nor by time; --max-time-difference"));
+  EXPECT_THAT(none.err, HasSubstr("other.g2o: has no pose of the map, neither by name nor by count; where it has times"));
+  const std::string table = folder.file("table.csv", "pose,x,y,phi,stamp_ns\n4,0,0,0,10000000000\n").string();
+  EXPECT_THAT(call({"error", table, folder.file("late.tum", "20.5 0 0 0 0 0 0 1\n").string()}).err,
+              HasSubstr("late.tum: has no pose of the map, neither by name nor by time; --max-time-difference widens"));
   EXPECT_THAT(call({"error", folder.file("log.g2o", kSmallLog).string(), truth}).err, HasSubstr("a map is expected"));
   EXPECT_EQ(call({"error", map, truth, "--spans", "1.5"}).exit_code, 2);
   const std::string timed = folder.file("timed.tum", "0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n").string();

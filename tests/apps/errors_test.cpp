@@ -148,19 +148,45 @@ TEST(Usage, WhatIsMissingOrUnknownIsNamed) {
   expect_failure(call({}), 2, "command");
   expect_failure(call({"run"}), 2, "LOG");
   expect_failure(call({"build", "log"}), 2, "--output");
-  expect_failure(call({"fly", "log"}), 2, "fly");
+  expect_failure(call({"fly", "log"}), 2, "there is no command \"fly\" (see mapjoin --help)");
+  expect_failure(call({"fly", "run"}), 2, "there is no command \"fly\" (see mapjoin --help)");
   expect_failure(call({"run", "log", "--faster"}), 2, "--faster");
   expect_failure(call({"simulate", "-o", "log", "--chance", "2", "--block", "1.5"}), 2, "chance");
+}
+
+TEST(Usage, TheHelpOfTheCommandIsNamed) {
+  expect_failure(call({"run"}), 2, "LOG is required (see mapjoin run --help)");
+  expect_failure(call({"solve", "log", "--faster"}), 2, "--faster (see mapjoin solve --help)");
+}
+
+TEST(Usage, AFolderIsSpokenOfWhereOneIsWritten) {
+  const std::string folder = " (a new folder has none, or ends in /)\n";
+  EXPECT_THAT(call({"run", "log", "-o", "town.txt"}).err, EndsWith(".csv and .mat" + folder));
+  EXPECT_THAT(call({"solve", "log", "-o", "town.txt"}).err, EndsWith(".csv and .mat\n"));
 }
 
 TEST(Usage, ThreadsHaveALimit) {
   expect_failure(call({"run", "log", "--jobs", "1025"}), 2, "not a whole number from 1 to 1024");
 }
 
+TEST(Usage, ALocalMapMayHaveMorePosesThanThereAre) {
+  const TemporaryFolder folder;
+  const std::string log = folder.file("log.g2o", kSmallLog).string();
+  EXPECT_EQ(call({"run", log, "--poses-per-map", "100000000000"}).exit_code, 0);
+}
+
 TEST(Usage, NoPathIsEmpty) {
   expect_failure(call({"run", "log", "-o", ""}), 2, "--output");
   expect_failure(call({"build", "log", "-o", ""}), 2, "--output");
   expect_failure(call({"run", ""}), 2, "LOG");
+}
+
+TEST(Usage, ADashIsStandardOutputOrRefused) {
+  const std::string refused = "is -, which stands for no stream here: name /dev/stdin or /dev/stdout";
+  expect_failure(call({"run", "-"}), 2, "LOG: " + refused);
+  expect_failure(call({"check", "log", "-"}), 2, "FURTHER: " + refused);
+  expect_failure(call({"solve", "log", "-o", "-"}), 2, "--output: " + refused);
+  expect_failure(call({"convert", "log", "-", "--to", "isam"}), 2, "OUT: " + refused);
 }
 
 TEST(Errors, ARemedyThatACommandLacksIsOfferedWithTheCommandThatHasIt) {

@@ -41,7 +41,7 @@ TEST(Info, TellsAStoreFromALog) {
   ASSERT_EQ(call({"build", kBundledLog, "-o", store, "--poses-per-map", "50"}).exit_code, 0);
   const std::string text = call({"info", store}).out;
   expect_line(text, "kind", "store of local maps and their log");
-  expect_line(text, "local maps", "20 of 20 segments");
+  expect_line(text, "local maps", "20 of 20 segments of up to 50 steps");
   expect_line(text, "poses", "1000, pose 0 to pose 999");
 }
 

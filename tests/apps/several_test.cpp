@@ -52,6 +52,26 @@ TEST_F(SeveralInputs, RunJoinsTwoLogsByTheirFeatures) {
   EXPECT_THAT(content_of(folder.path() / "map.csv"), HasSubstr("\n1,499,"));
 }
 
+TEST_F(SeveralInputs, MapsThatShareFeaturesAreJoinedWithoutTheirValues) {
+  const auto map_of = [&](const std::string& log, const std::string& name) {
+    const std::string map = (folder.path() / name).string();
+    EXPECT_EQ(call({"solve", log, "-o", map}).exit_code, 0);
+    return map;
+  };
+  const std::string first = map_of(a, "first.g2o");
+  const std::string second = map_of(b, "second.g2o");
+  const double chi2 = report_of({"solve", a, b})["chi2"];
+  const auto solved = report_of({"solve", first, second});
+  EXPECT_NEAR(solved["chi2"], chi2, 1e-6 * chi2);
+  EXPECT_GT(solved["skipped"]["initial values, each in the frame of its file"], 1000);
+  expect_failure(call({"solve", first, second, "--start", "file"}), 3, "not every pose and feature has a value to start from");
+  const auto store_of = [&](const std::string& map) {
+    EXPECT_EQ(call({"build", map, "-o", map + ".maps"}).exit_code, 0);
+    return map + ".maps";
+  };
+  EXPECT_NEAR(report_of({"join", store_of(first), store_of(second)})["chi2"], chi2, 1e-6 * chi2);
+}
+
 TEST_F(SeveralInputs, AFolderHasATrajectoryOfEachSession) {
   const auto out = folder.path() / "out";
   ASSERT_EQ(call({"run", a, b, "-o", out.string(), "--no-verdict"}).exit_code, 0);
@@ -64,8 +84,12 @@ TEST_F(SeveralInputs, AFolderHasATrajectoryOfEachSession) {
 TEST_F(SeveralInputs, PartsAreTakenOneByOneWhereAskedFor) {
   EXPECT_EQ(report_of({"run", a, b, "--features", "own", "--parts", "largest"})["poses"], 500);
   const auto out = folder.path() / "parts";
-  ASSERT_EQ(call({"run", a, b, "--features", "own", "--parts", "all", "-o", out.string()}).exit_code, 0);
-  EXPECT_TRUE(std::filesystem::exists(out / "part_1" / "map.g2o") && std::filesystem::exists(out / "part_2" / "map.g2o"));
+  const Ended all = call({"run", a, b, "--features", "own", "--parts", "all", "-o", out.string()});
+  ASSERT_EQ(all.exit_code, 0);
+  for (const std::string part : {"1", "2"}) {
+    EXPECT_TRUE(std::filesystem::exists(out / ("part_" + part) / "map.g2o"));
+    EXPECT_THAT(all.out, HasSubstr(b + ", part " + part + ": 2D, 500 poses"));
+  }
   EXPECT_EQ(call({"run", a, b, "--parts", "all"}).exit_code, 2);
   EXPECT_EQ(call({"solve", a, b, "--parts", "all"}).exit_code, 2);
 }

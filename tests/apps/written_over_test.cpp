@@ -108,7 +108,7 @@ TEST(WrittenOver, NothingReadInAFolderIsReplaced) {
   std::filesystem::create_directory(result + "/part_2");
   std::filesystem::copy(map, result + "/part_2/map.g2o");
   expect_failure(call({"run", result + "/part_2/map.g2o", "--parts", "all", "-o", result}), 2, replaces);
-  expect_failure(call({"run", result, "-o", result}), 2, replaces);
+  EXPECT_EQ(count_of(call({"run", result, "-o", result}).err, replaces), 1U);
   expect_failure(call({"run", kBundledLog, "--truth", result, "-o", result}), 2, replaces);
 }
 

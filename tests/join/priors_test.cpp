@@ -54,6 +54,13 @@ class Priors : public ::testing::Test {
 };
 TYPED_TEST_SUITE(Priors, Dimensions);
 
+TYPED_TEST(Priors, MeasureAsMuchWithIdentityCovariances) {
+  auto log = this->log_from_file(small_world<TypeParam::value>());
+  const auto original = run(log, RunOptions{}).value();
+  use_identity_covariance(log);
+  EXPECT_EQ(run(log, RunOptions{}).value().dof, original.dof) << "a prior of a position says nothing of the rotation";
+}
+
 TYPED_TEST(Priors, OfAFileLeadToTheOptimum) {
   this->expect_the_optimum(this->log_from_file(small_world<TypeParam::value>()));
 }

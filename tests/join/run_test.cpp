@@ -65,6 +65,16 @@ TEST(Run, RefinesToTheSameMapWithinMicrometresHoweverTheLogIsSplit) {
   }
 }
 
+TEST(Run, CountsTheRowsOfMapsThatHangSoftlyOnTheirBase) {
+  auto log = std::get<Log<2>>(open_log(testing::kBundledData / "manhattan2d.g2o").value());
+  RunOptions options;
+  options.split = {SplitRule::kPoses, 20.0};
+  const auto dof = run(log, options).value().join_dof;
+  for (auto& edge : log.graph.pose_factors) edge.information *= 1e-4;
+  for (auto& observation : log.graph.feature_factors) observation.information *= 1e6;
+  EXPECT_EQ(run(log, options).value().join_dof, dof);
+}
+
 TYPED_TEST(RunTest, EndsAtTheFullSlamOptimumForMapsOfAnyLength) {
   const auto world = small_world<TestFixture::kDim>({.reversed_odometry = true});
   for (const double poses : {1.0, 2.0, 5.0, 10.0, 39.0, 1000.0}) {

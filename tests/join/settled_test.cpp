@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <functional>
 #include <map>
 #include <mapjoin/join/settled.hpp>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {

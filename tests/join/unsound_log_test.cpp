@@ -5,7 +5,7 @@
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/join/association/associate.hpp>
-#include <mapjoin/join/incremental/submap_update.hpp>
+#include <mapjoin/join/incremental/submap_update_maker.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/run.hpp>
@@ -75,6 +75,8 @@ TYPED_TEST(UnsoundLog, IsABrokenPromiseToWhatCutsIt) {
   EXPECT_THROW(split(this->log, {SplitRule::kPoses, 5.0}), std::invalid_argument);
   EXPECT_THROW(split_along(this->log, this->parts.segments), std::out_of_range);
   EXPECT_THROW(submap_updates_of(this->log, this->parts, this->maps), std::invalid_argument);
+  SubmapUpdateMaker<TestFixture::kDim> maker({SplitRule::kPoses, 5.0});
+  EXPECT_THROW(maker.add(this->log), std::invalid_argument);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ class AlignmentCandidates {
   double against(const PairingProblem<Dim>& problem, const Features& features, const Hypothesis<Dim>& hypothesis,
                  const Pose<Dim>& pose, ChiSquaredQuantiles& gates) const;
   ChiSquaredQuantiles gates_for(const Features& features) const {
-    return ChiSquaredQuantiles(1.0 - (1.0 - model_.confidence) / static_cast<double>(features.known.size()));
+    return ChiSquaredQuantiles((1.0 - model_.confidence) / static_cast<double>(features.known.size()));
   }
 
   const FeatureMap<Dim>& first_;

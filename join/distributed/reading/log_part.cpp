@@ -111,7 +111,9 @@ Expected<std::optional<AnyLog>> log_of(const TextPart& part, const std::string& 
   const auto before = static_cast<std::size_t>(std::ranges::count(part.parameters, '\n'));
   // Line numbers go on from those before, less the parameter lines of others; unsigned wrap-around makes that safe.
   const TextScanner text(file, with_parameters.empty() ? part.text : with_parameters, part.lines_before - before);
-  return read_g2o(text, options, {.is_whole = false}).map([](AnyLog log) { return std::optional(std::move(log)); });
+  return read_g2o(text, options, {.is_whole = false, .needs_poses = false}).map([](AnyLog log) {
+    return std::optional(std::move(log));
+  });
 }
 
 /// The fixed poses, at the values of their vertices.

@@ -6,6 +6,7 @@
 #include <mapjoin/distributed/reading/text_part.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/model/lists.hpp>
 
 namespace mapjoin::distributed {
 namespace {
@@ -103,7 +104,7 @@ SaidOfAll scan(TextPart& part) {
 std::string TextPart::vertices_of(const std::vector<std::uint64_t>& poses) const {
   std::string vertices;
   for_each_line(text, [&](std::string_view line, std::string_view tag, std::string_view rest) {
-    if (!is_pose_vertex(tag) || std::ranges::find(poses, id_in(take_word(rest))) == poses.end()) return;
+    if (!is_pose_vertex(tag) || !std::ranges::binary_search(poses, id_in(take_word(rest)))) return;
     vertices += line;
     if (!line.ends_with('\n')) vertices += '\n';
   });
@@ -117,6 +118,7 @@ Expected<TextPart> read_text_part(const Communicator& comm, const std::filesyste
   part.text = range_of(part.bytes.view(), comm.rank(), comm.size());
   const SaidOfAll mine = scan(part);
   part.fixed = comm.gather(mine.fixed);
+  make_distinct(part.fixed);
   const std::vector<std::uint64_t> lines = comm.gather(std::vector{mine.lines});
   const std::vector<std::string> parameters = comm.gather(mine.parameters);
   for (std::size_t r = 0; r < lines.size(); ++r) {

@@ -19,10 +19,10 @@ struct TextPart {
 
   std::vector<std::uint64_t> declared_poses;     ///< Ids of the pose vertices of this rank, in the order of its lines.
   std::vector<std::uint64_t> declared_features;  ///< Ids of the feature vertices of this rank, in the order of its lines.
-  std::vector<std::uint64_t> fixed;              ///< Ids in the FIX lines of all ranks.
+  std::vector<std::uint64_t> fixed;              ///< Ids in the FIX lines of all ranks, ascending, each once.
   std::string parameters;                        ///< The PARAMS lines of the other ranks.
 
-  /// The vertex lines of some poses in the text of this rank, verbatim.
+  /// The vertex lines of some poses, given by ascending ids, in the text of this rank, verbatim.
   std::string vertices_of(const std::vector<std::uint64_t>& poses) const;
 };
 

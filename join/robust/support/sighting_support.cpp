@@ -10,8 +10,8 @@ namespace {
 /// An observation is compared with at most kMostCompared next ones of its feature, at most kFarthest steps away.
 constexpr std::int32_t kFarthest = 60;
 constexpr std::size_t kMostCompared = 20;
-/// Steps in a stretch, in which observations may be wrong together.
-constexpr std::int32_t kStretch = 25;
+/// Poses of a group, whose observations may be wrong together.
+constexpr std::int32_t kPosesOfAGroup = 25;
 
 template <int Dim>
 double evidence_of(const OdometryChain<Dim>& chain, const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b, double volume) {
@@ -43,7 +43,7 @@ std::vector<double> sighting_odds(const OdometryChain<Dim>& chain, const Log<Dim
   for (std::size_t k = 0; k < observations.size(); ++k)
     of_feature[observations[k].target].push_back(static_cast<std::uint32_t>(k));
   const double volume = volume_of(observations);
-  const auto group = [&](std::uint32_t k) { return static_cast<std::uint32_t>(observations[k].base.value / kStretch); };
+  const auto group = [&](std::uint32_t k) { return static_cast<std::uint32_t>(observations[k].base.value / kPosesOfAGroup); };
   Agreements agreements(observations.size());
   parallel_for(of_feature.size(), [&](std::size_t f) {
     const auto& sightings = of_feature[FeatureIndex(f)];

@@ -161,6 +161,7 @@ Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance);
 /// The extent of a text, and of the pieces that it is read in.
 struct Extent {
   bool is_whole = true;                            ///< True for a whole file; see TextContext.
+  bool needs_poses = true;                         ///< False: lines of features alone are a log, too.
   std::size_t piece_bytes = std::size_t{1} << 16;  ///< Size of pieces that are read in parallel; the log does not depend on it.
 };
 

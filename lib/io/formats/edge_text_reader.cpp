@@ -24,7 +24,9 @@ class EdgeTextReader {
         format_(format),
         context_{options, extent.is_whole, {}, {}},
         piece_bytes_(extent.piece_bytes),
-        builder_(begin_.source(), format.has_g2o_lines ? g2o_conventions(options) : Conventions(), Numbers::kChecked) {}
+        builder_(begin_.source(), format.has_g2o_lines ? g2o_conventions(options) : Conventions(), Numbers::kChecked) {
+    if (!extent.needs_poses) builder_.allow_no_poses();
+  }
 
   Expected<Log<Dim>> read() && {
     const std::vector<TextScanner> pieces = begin_.pieces(piece_bytes_);

@@ -268,10 +268,9 @@ Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const
   }
   TextScanner text(file, bytes);
   if (!text.next_line()) return bad_input(fmt::format("{}: the file has nothing but blanks and comments", file));
-  return text.error(
-      fmt::format("no log format has lines that begin with {}; --skip-unknown leaves such lines out, --from names "
-                  "the format",
-                  in_quotes(text.word())));
+  const bool others_are_known = known_format(bytes, {.skip_unknown = true}).has_value();
+  return text.error(fmt::format("no log format has lines that begin with {}; {}--from names the format", in_quotes(text.word()),
+                                others_are_known ? "--skip-unknown leaves such lines out, " : ""));
 }
 
 template <int Dim>

@@ -20,7 +20,7 @@ namespace mapjoin {
 template <int Dim>
 Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log);
 
-/// Gives every pose its id as its time (ns); bad input if an id is 2^63 or more.
+/// Gives every pose its id as its time (ns); bad input if an id is 2^63 or more, or a GTSAM symbol.
 template <int Dim>
 Expected<void> take_ids_as_stamps(Log<Dim>& log);
 

@@ -61,9 +61,12 @@ Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log) {
 template <int Dim>
 Expected<void> take_ids_as_stamps(Log<Dim>& log) {
   constexpr auto kLast = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-  const auto late = std::ranges::find_if(log.poses, [](const PoseId& id) { return id.key > kLast; });
-  if (late != log.poses.end())
-    return bad_input_of(log.source, "the id of " + to_string(*late) + " is no time: 2^63 ns or more; --stamps gives times");
+  const auto is_no_time = [](const PoseId& id) { return id.key > kLast || symbol_letter(id.key) != '\0'; };
+  const auto wrong = std::ranges::find_if(log.poses, is_no_time);
+  if (wrong != log.poses.end()) {
+    const std::string_view why = wrong->key > kLast ? "2^63 ns or more" : "it is a GTSAM symbol";
+    return bad_input_of(log.source, fmt::format("the id of {} is no time: {}; --stamps gives times", to_string(*wrong), why));
+  }
   log.stamps_ns.clear();
   for (const PoseId& id : log.poses) log.stamps_ns.push_back(static_cast<std::int64_t>(id.key));
   return {};

@@ -107,22 +107,25 @@ bool is_kitti_line(TextScanner line) {
   return has_numbers(line, kKittiNumbers);
 }
 
+bool counts_poses(TextScanner text) {
+  for (std::size_t counted = 0; text.next_line(); ++counted) {
+    if (text.word() != std::to_string(counted)) return false;
+  }
+  return true;
+}
+
 Expected<AnyLog> read_tum_log(TextScanner text, const ReadOptions&) {
   std::vector<Pose<3>> poses;
   std::vector<std::int64_t> stamps;
-  bool are_counts = true;
+  const bool has_times = !counts_poses(text);
   const auto read_line = [&] {
     const std::string_view word = text.word();
     const auto stamp = nanoseconds(word);
     if (!stamp) text.reject("a time in seconds is expected, not " + in_quotes(word));
-    are_counts = are_counts && word == std::to_string(stamps.size());
     poses.push_back(read_g2o_pose<3>(text));
-    stamps.push_back(stamp.value_or(0));
+    if (has_times) stamps.push_back(stamp.value_or(0));
   };
-  return text.each_line(read_line).and_then([&] {
-    if (are_counts) stamps.clear();
-    return any_log_of(text.source(), poses, stamps);
-  });
+  return text.each_line(read_line).and_then([&] { return any_log_of(text.source(), poses, stamps); });
 }
 
 Expected<AnyLog> read_kitti_log(TextScanner text, const ReadOptions&) {

@@ -26,9 +26,12 @@ inline double in_seconds(std::int64_t stamp_ns) {
 bool is_tum_line(TextScanner line);
 bool is_kitti_line(TextScanner line);
 
+/// True if the lines of a TUM trajectory begin with 0, 1, 2, … without a point, as write_tum() counts poses without times.
+bool counts_poses(TextScanner text);
+
 /// The poses 0, 1, … of a file of lines `time x y z qx qy qz qw`, at whose start `text` stands, with their values and, to the
-/// nanosecond, their times; times 0, 1, 2, … without a point count the poses and are dropped. In the plane if every z, qx and
-/// qy is zero, otherwise in space. Bad input, with its place: other lines, quaternions far from unit length.
+/// nanosecond, their times, unless it counts_poses(). In the plane if every z, qx and qy is zero, otherwise in space. Bad
+/// input, with its place: other lines, quaternions far from unit length.
 Expected<AnyLog> read_tum_log(TextScanner text, const ReadOptions& options);
 
 /// The poses 0, 1, … of a file of lines of twelve numbers, the rows of (R | t), at whose start `text` stands, without times. In

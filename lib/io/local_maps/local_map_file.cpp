@@ -6,6 +6,7 @@
 #include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/io/local_maps/local_map_file.hpp>
+#include <system_error>
 
 namespace mapjoin {
 namespace {
@@ -103,6 +104,14 @@ std::optional<std::int64_t> local_map_number(const std::string& file_name) {
   name.remove_prefix(static_cast<std::size_t>(end - name.data()));
   if (name.ends_with(".gz")) name.remove_suffix(3);
   return name == ".mat" || name == ".txt" ? std::optional<std::int64_t>(number) : std::nullopt;
+}
+
+bool has_local_maps(const std::filesystem::path& folder) {
+  std::error_code failure;
+  for (std::filesystem::directory_iterator entry(folder, failure), end; !failure && entry != end; entry.increment(failure)) {
+    if (local_map_number(entry->path().filename().string())) return true;
+  }
+  return false;
 }
 
 Expected<LocalMapFile> parse_local_map(const std::filesystem::path& path, std::string_view bytes) {

@@ -25,6 +25,9 @@ struct LocalMapFile {
 /// The k of a file name localmap_<k>.mat or localmap_<k>.txt, with or without .gz; nullopt for other names.
 std::optional<std::int64_t> local_map_number(const std::string& file_name);
 
+/// True if a folder has files with such names.
+bool has_local_maps(const std::filesystem::path& folder);
+
 /// The map in the file `path` with the content `bytes`: MAT with `localmap_st` and `localmap_P` (covariance) or with `st`, `I`
 /// (information) and `Ref`; text with the index of the start pose, the number n of rows, n lines `id value`, and the n × n
 /// information matrix. Errors name file and line, or variable; read_local_map_set() checks the state and the Gaussian.

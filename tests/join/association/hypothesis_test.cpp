@@ -56,7 +56,7 @@ class HypothesisTest : public ::testing::Test {
   PairingProblem<kDim> problem_;
   std::vector<std::vector<Point<kDim>>> sets_ = {{Point<kDim>::Zero(), Point<kDim>::Constant(8.0)}};
   NeighbourDensity<kDim> density_{sets_};
-  ChiSquaredQuantiles gates_{0.999};
+  ChiSquaredQuantiles gates_{0.001};
 };
 TYPED_TEST_SUITE(HypothesisTest, testing::Dimensions);
 

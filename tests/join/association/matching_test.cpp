@@ -144,6 +144,13 @@ TEST(MatcherTest, HasAGateThatNoneOfSoManyDecisionsShouldMiss) {
   EXPECT_EQ(matches_of(problem, AssociationMethod::kNearest)[0].candidates, 0U);
 }
 
+TEST(MatcherTest, HasAGateForAnyConfidence) {
+  const std::vector<Points> sets(20, kKnown);
+  const NeighbourDensity<2> density{std::span(sets)};
+  const double tail = 1.0 - (1.0 - 1e-14);
+  EXPECT_NEAR(Matcher<2>(density, AssociationMethod::kJcbb, 1.0 - tail, 1e5).gate(), -2.0 * std::log(1e-5 * tail), 1e-6);
+}
+
 TEST(MatcherTest, AsksForMoreWhereChanceHasManyTries) {
   auto problem = problem_of(kKnown, {kKnown[0], kKnown[3], kKnown[4]}, 0.05, 1.0);
   problem.surroundings.clear();

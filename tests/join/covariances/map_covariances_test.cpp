@@ -244,7 +244,7 @@ TYPED_TEST(MapCovariancesTest, RelativeOnesDoNotDependOnTheGauge) {
 TYPED_TEST(MapCovariancesTest, AreRefusedWhereMemoryDoesNotSuffice) {
   const auto log = this->world();
   RunOptions options = this->options(6.0);
-  options.most_memory = 10'000;
+  options.most_memory = 100;
   const auto result = run(log, options);
   ASSERT_TRUE(result);
   const auto marginals = result->covariances->marginals();
@@ -254,6 +254,9 @@ TYPED_TEST(MapCovariancesTest, AreRefusedWhereMemoryDoesNotSuffice) {
   const auto joint = result->covariances->joint(std::array<PoseOrFeature, 2>{PoseIndex(3), FeatureIndex(1)});
   ASSERT_FALSE(joint);
   EXPECT_TRUE(joint.error().message.starts_with("the joint covariance of 2 poses and features would take"));
+  const auto alone = result->covariances->joint(std::array<PoseOrFeature, 1>{PoseIndex(3)});
+  ASSERT_FALSE(alone);
+  EXPECT_TRUE(alone.error().message.starts_with("the joint covariance of 1 pose or feature would take"));
 }
 
 TYPED_TEST(MapCovariancesTest, AreNotMadeUnlessAskedFor) {

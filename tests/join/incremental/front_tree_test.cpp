@@ -168,6 +168,19 @@ TEST_F(FrontTreeTest, ARemovedQuadraticLeavesNoTrace) {
   EXPECT_LE((tree_.factor().covariance({&end, 1}).value() - expected).norm(), 1e-10 * expected.norm());
 }
 
+/// The quadratic 1e12 (x - 100)², whose minimum of 0 is the difference of two numbers of 1e16.
+TEST_F(FrontTreeTest, AVariableFarFromItsReferenceIsDetermined) {
+  add_variable(1);
+  Quadratic far{{1, FrontTree::kOne}, Eigen::MatrixXd(2, 2)};
+  far.H << 1e12, -1e14, -1e14, 1e16;
+  tree_.add_quadratic(far);
+  tree_.update({});
+  EXPECT_NEAR(tree_.solution(1)[0], 100.0, 1e-9);
+  const auto covariance = tree_.factor().covariance(std::vector<Variable>{1});
+  ASSERT_TRUE(covariance);
+  EXPECT_NEAR(covariance->value(), 1e-12, 1e-24);
+}
+
 TEST_F(FrontTreeTest, PartsThatShareNothingStandSideBySideUntilSomethingTiesThem) {
   for (Variable v = 1; v < 21; ++v) {
     add_variable(3);

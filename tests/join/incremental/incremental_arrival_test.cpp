@@ -31,10 +31,31 @@ TYPED_TEST(IncrementalArrivalTest, WhatIsNoUpdateOfClosuresCannotBeTakenOut) {
   fixes.poses = {last_pose(updates[0])};
   fixes.graph.fixed = {{0, Pose<kDim>{}}};
   EXPECT_TRUE(testing::error_of(joined.hold(fixes)).ends_with("can be left out"));
+  SubmapUpdate<kDim> prior;  // which may be what holds the map
+  prior.poses = {last_pose(updates[0])};
+  prior.graph.pose_factors = {{kWorld, 0, {}, PoseMatrix<kDim>::Identity()}};
+  EXPECT_TRUE(testing::error_of(joined.hold(prior)).ends_with("can be left out"));
+  const std::vector<std::size_t> holds{joined.update_count()};
+  joined.add(prior).value();
+  EXPECT_THROW(joined.change(holds, {}), std::invalid_argument);
   EXPECT_THROW(joined.change(map, {}), std::invalid_argument);
   EXPECT_THROW(joined.change(none, {}), std::invalid_argument);
   EXPECT_THROW(joined.change({}, none), std::invalid_argument);
   EXPECT_THROW(IncrementalJoin<kDim>({Point<kDim>::Constant(std::nan("")), {}}), std::invalid_argument);
+}
+
+TYPED_TEST(IncrementalArrivalTest, AnUpdateThatSaysNothingMayComeInAndBeTakenOut) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : updates) joined.add(update).value();
+  const double chi2 = joined.chi2();
+  const std::int64_t dof = joined.dof();
+  const std::vector<std::size_t> nothing{joined.hold({}).value()};
+  EXPECT_TRUE(joined.change({}, nothing).is_joined);
+  EXPECT_TRUE(joined.change(nothing, {}).is_joined);
+  EXPECT_NEAR(joined.chi2(), chi2, 1e-3 * chi2);
+  EXPECT_EQ(joined.dof(), dof);
 }
 
 TYPED_TEST(IncrementalArrivalTest, NamesOfWhichNothingIsSaidDoNotCount) {

@@ -166,5 +166,34 @@ TYPED_TEST(IncrementalWaitingTest, AClosureToWhatStillWaitsTiesIt) {
   EXPECT_TRUE(joined.pose(PoseId{1, 0}));
 }
 
+TYPED_TEST(IncrementalWaitingTest, WhatOnlyOneClosureTiedWaitsAgainWhenThatIsTakenOut) {
+  constexpr int kDim = TestFixture::kDim;
+  auto updates = this->submap_updates_of({.poses = 20, .features = 0, .closures = 4, .sessions = 2}, 5.0);
+  const std::size_t half = updates.size() / 2;
+  const auto tie = [&](double turn) {
+    const Pose<kDim> measured{Point<kDim>::Ones(), Rotation<kDim>::exp(RotationVector<kDim>::Constant(turn))};
+    return this->closure(updates[0], updates[half], measured, PoseMatrix<kDim>::Identity());
+  };
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : updates) joined.add(update).value();
+  joined.add({}).value();  // one that says nothing is of no part
+  const std::vector<std::size_t> wrong{joined.update_count()};
+  EXPECT_TRUE(joined.add(tie(1.0)).value().is_joined);
+  ASSERT_TRUE(joined.pose(PoseId{1, 0}));
+  const AddedUpdate out = joined.change(wrong, {});
+  EXPECT_TRUE(out.converged);
+  EXPECT_FALSE(out.is_joined);
+  EXPECT_EQ(joined.waiting(), updates.size() - half);
+  EXPECT_FALSE(joined.pose(PoseId{1, 0}));
+  EXPECT_TRUE(joined.covariance(last_pose(updates[half - 1])));
+  updates.push_back(tie(0.3));
+  EXPECT_TRUE(joined.add(updates.back()).value().is_joined);
+  IncrementalJoin<kDim> fresh;
+  for (const auto& update : updates) fresh.add(update).value();
+  EXPECT_NEAR(joined.chi2(), fresh.chi2(), 1e-3 * fresh.chi2());
+  EXPECT_EQ(joined.dof(), fresh.dof());
+  EXPECT_LT(this->difference(joined, updates), 1e-3);
+}
+
 }  // namespace
 }  // namespace mapjoin

@@ -41,12 +41,12 @@ void expect_same_end(const Log<Dim>& log, const RobustIncrementalJoin<Dim>& join
   EXPECT_LT(farthest, 5e-3);
 }
 
-struct Planting {
+struct PlantedGroup {
   const char* file;
   std::size_t count;
   std::uint64_t seed;
 };
-class PlantedMapByMap : public ::testing::TestWithParam<Planting> {};
+class PlantedMapByMap : public ::testing::TestWithParam<PlantedGroup> {};
 
 TEST_P(PlantedMapByMap, EndsAsTheWholeLogDoes) {
   const auto& [file, count, seed] = GetParam();
@@ -64,9 +64,9 @@ TEST_P(PlantedMapByMap, EndsAsTheWholeLogDoes) {
   std::visit(end_of, open_log(testing::data_file(file)).value());
 }
 INSTANTIATE_TEST_SUITE_P(Robust, PlantedMapByMap,
-                         ::testing::Values(Planting{"pose-graphs-2d/manhattanOlson3500.g2o.gz", 50, 1},
-                                           Planting{"pose-graphs-2d/intel.g2o.gz", 50, 1},
-                                           Planting{"pose-graphs-3d/smallGrid3D.g2o.gz", 10, 1}));
+                         ::testing::Values(PlantedGroup{"pose-graphs-2d/manhattanOlson3500.g2o.gz", 50, 1},
+                                           PlantedGroup{"pose-graphs-2d/intel.g2o.gz", 50, 1},
+                                           PlantedGroup{"pose-graphs-3d/smallGrid3D.g2o.gz", 10, 1}));
 
 TEST(RobustIncrementalData, ALogThatIsThereAlreadyEndsAsMapByMap) {
   const auto clean = std::get<Log<2>>(open_log(testing::data_file("pose-graphs-2d/intel.g2o.gz")).value());

@@ -214,6 +214,28 @@ TYPED_TEST(RobustIncrementalJoinTest, OfBadClosuresNothingIsAdded) {
   for (const auto& update : updates) EXPECT_TRUE(joined.add(update));
 }
 
+TYPED_TEST(RobustIncrementalJoinTest, DoubtLastsUntilThereIsAVerdict) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = testing::small_world<kDim>({.poses = 60, .features = 0, .closures = 0});
+  RobustIncrementalJoin<kDim> joined;
+  for (const auto& update : testing::updates_of(world.log, 6.0)) joined.add(update).value();
+  const auto seen = [&](PoseIndex from, PoseIndex to, double error) {
+    Pose<kDim> measured = between(world.truth.poses[from], world.truth.poses[to]);
+    measured.translation.x() += error;
+    return closure<kDim>(world.log.poses[from], world.log.poses[to], measured);
+  };
+  std::stop_source source;
+  source.request_stop();
+  const RobustlyAdded interrupted = joined.add(seen(12, 24, 50.0), source.get_token()).value();
+  ASSERT_TRUE(interrupted.no_verdict);
+  EXPECT_EQ(interrupted.no_verdict->kind, ErrorKind::kInterrupted);
+  const RobustlyAdded judged = joined.add(seen(18, 30, 0.0)).value();
+  EXPECT_TRUE(judged.is_judged);
+  EXPECT_FALSE(judged.no_verdict);
+  EXPECT_FALSE(joined.add(seen(30, 42, 0.0)).value().is_judged);
+  EXPECT_EQ(joined.left_out(), (std::vector<ClosureName>{{world.log.poses[12], world.log.poses[24]}}));
+}
+
 TYPED_TEST(RobustIncrementalJoinTest, WithoutAVerdictClosuresStayWhereTheyAre) {
   constexpr int kDim = TestFixture::kDim;
   RobustIncrementalJoin<kDim> joined;

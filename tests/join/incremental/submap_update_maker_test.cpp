@@ -112,6 +112,29 @@ TYPED_TEST(SubmapUpdateMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {
   EXPECT_EQ(edges, log.edges().size());
 }
 
+TYPED_TEST(SubmapUpdateMakerTest, ClosuresKeepTheirLossesWhereverTheyLead) {
+  constexpr int kDim = TestFixture::kDim;
+  const Loss loss = Loss::truncated(1.0);
+  auto slices = driven(testing::small_world<kDim>({.poses = 20, .features = 0, .closures = 0}).log, 10);
+  const auto add_closure = [&](Log<kDim>& slice, std::uint64_t base, std::uint64_t target) {
+    LogBuilder<kDim> builder("slice");
+    builder.append(slice);
+    builder.add(PoseId{0, base}, PoseId{0, target}, PoseFactor<kDim>{0, 0, {}, PoseMatrix<kDim>::Identity(), loss});
+    slice = std::move(builder).finish().value();
+  };
+  ASSERT_EQ(slices.size(), 2u);
+  add_closure(slices[0], 1, 4);
+  add_closure(slices[1], 2, 18);
+  SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
+  std::vector<PoseId> ends;
+  for (const auto& update : this->parts_of_slices(slices, maker)) {
+    for (const auto& o : update.graph.pose_factors) {
+      if (o.loss == loss) ends.push_back(update.poses[o.target]);
+    }
+  }
+  EXPECT_EQ(ends, (std::vector<PoseId>{{0, 4}, {0, 18}}));
+}
+
 TYPED_TEST(SubmapUpdateMakerTest, WhatConcernsAMapThatIsMadeIsRefused) {
   constexpr int kDim = TestFixture::kDim;
   const auto slices = driven(testing::small_world<kDim>({.poses = 30, .closures = 0}).log, 30);

@@ -86,6 +86,17 @@ TYPED_TEST(SubmapUpdateTest, MapsAndSegmentsThatDoNotBelongTogetherAreRefused) {
   EXPECT_THROW(submap_updates_of(set), std::invalid_argument);
 }
 
+TYPED_TEST(SubmapUpdateTest, ASetThatNamesWhatItDoesNotHaveIsRefused) {
+  constexpr int kDim = TestFixture::kDim;
+  const SubmapSet<kDim> sound = testing::set_of_all(this->parts_);
+  auto of_no_feature = sound;
+  of_no_feature.graph.submaps[0].features[0] = 1000000;
+  EXPECT_THROW(submap_updates_of(of_no_feature), std::invalid_argument);
+  auto of_no_pose = sound;
+  of_no_pose.graph.pose_factors[0].target = -5;
+  EXPECT_THROW(submap_updates_of(of_no_pose), std::invalid_argument);
+}
+
 TYPED_TEST(SubmapUpdateTest, AllUpdatesJoinAsTheirLogDoes) {
   constexpr int kDim = TestFixture::kDim;
   const auto& log = this->world_.log;

@@ -50,6 +50,22 @@ TYPED_TEST(Structure, NamesPartsThatNothingTiesTogether) {
   EXPECT_THAT(finding_of(findings, "breaks").where.names, ElementsAre("pose 1 to pose 5"));
 }
 
+TYPED_TEST(Structure, NamesAPoseOfThePartThatTheWorldHolds) {
+  constexpr int Dim = TypeParam::value;
+  LogBuilder<Dim> builder("some.g2o");
+  builder.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<Dim>::Identity());
+  builder.add_pose_edge({0, 5}, {0, 6}, {}, PoseMatrix<Dim>::Identity());
+  builder.fix({0, 5});
+  const Log<Dim> fixed = std::move(builder).finish().value();
+  EXPECT_THAT(finding_of(check_structure(fixed), "parts").where.names, ElementsAre("pose 0", "pose 5"));
+
+  LogBuilder<Dim> with_prior("some.g2o");
+  with_prior.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<Dim>::Identity());
+  with_prior.add_feature_prior({7}, Point<Dim>::Zero(), PointMatrix<Dim>::Identity());
+  const Log<Dim> apart = std::move(with_prior).finish().value();
+  EXPECT_THAT(finding_of(check_structure(apart), "parts").where.names, ElementsAre("pose 0", "feature 7"));
+}
+
 /// Two sessions of four poses each, which both see the same `shared` features, and each five of its own.
 template <int Dim>
 Log<Dim> two_sessions(std::size_t shared) {

@@ -102,6 +102,20 @@ TEST(MergedLogs, KeepTimeStampsOnlyIfAllHaveThem) {
   EXPECT_EQ(log.skipped.at("time stamps that other files lack"), 2);
 }
 
+TEST(MergedLogs, HaveNoInitialValuesIfSeveralHaveOneOfAFeature) {
+  const auto seen = [](const std::string& place) {
+    return vertices(0, 2) + "VERTEX_XY 7 " + place + "\n" + edge(0, 1) + "EDGE_SE2_XY 1 7 1 0 1 0 1\n";
+  };
+  const auto log = merged<2>({log_of("a", seen("2 0")), log_of("b", seen("5 9") + "FIX 1\n"), log_of("c", edge(0, 1))}).value();
+  EXPECT_THAT(log.features, ElementsAre(FeatureId{7}));
+  EXPECT_THAT(log.initial.poses, SizeIs(0));
+  EXPECT_THAT(log.initial.features, SizeIs(0));
+  EXPECT_EQ(log.skipped.at("initial values, each in the frame of its file"), 6);
+  EXPECT_THAT(log.graph.fixed, SizeIs(1)) << "whose value holds the map";
+  const auto apart = merged<2>({log_of("a", seen("2 0")), log_of("b", seen("5 9"))}, {.own_features = true}).value();
+  EXPECT_THAT(apart.initial.features, SizeIs(2));
+}
+
 TEST(MergedLogs, AreOfTheConventionsInsideIfTheyWereReadInDifferentOnes) {
   const auto ours = log_of("ours", edge(0, 1));
   auto theirs = log_of("theirs", edge(0, 1));

@@ -31,6 +31,7 @@ TEST(OpenMaps, KnowsFoldersArchivesAndStoresByTheirContent) {
   for (const auto& path : {folder.path(), archive, store}) EXPECT_TRUE(may_hold_maps(path)) << path;
   EXPECT_FALSE(may_hold_maps(folder.path() / "localmap_1.txt"));
   EXPECT_FALSE(may_hold_maps(folder.path() / "nowhere"));
+  EXPECT_FALSE(may_hold_maps(testing::TemporaryFolder().path())) << "has none";
 }
 
 TEST(OpenMaps, SaysOfOtherFilesWhatTheyAreNot) {

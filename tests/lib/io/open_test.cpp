@@ -38,11 +38,11 @@ TEST_F(OpenLogTest, KnowsTextFormatsByTheirContentPlainAndPacked) {
 TEST_F(OpenLogTest, SaysWhatIsWrongWithAFileInOneSentence) {
   const auto message = [&](const std::filesystem::path& path) { return testing::error_of(open_log(path)); };
   EXPECT_THAT(message(folder.path() / "missing"), EndsWith("missing: No such file or directory"));
-  EXPECT_THAT(message(folder.path()), EndsWith(": Is a directory"));
+  EXPECT_THAT(message(folder.path()), HasSubstr(": a folder is a log if Barcodes.dat (of UTIAS MRCLAM) or map.g2o"));
   EXPECT_THAT(message(folder.file("empty", "")), EndsWith("empty: the file is empty"));
   EXPECT_THAT(message(folder.file("blank", "# nothing\n\n")), EndsWith("blank: the file has nothing but blanks and comments"));
   EXPECT_THAT(message(folder.file("prose", "\nDear reader")),
-              HasSubstr("prose:2:1: no log format has lines that begin with 'Dear'; --skip-unknown"));
+              HasSubstr("prose:2:1: no log format has lines that begin with 'Dear'; --from names"));
 }
 
 TEST_F(OpenLogTest, RefusesNoFilesAtAll) {

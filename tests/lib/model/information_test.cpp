@@ -163,6 +163,31 @@ TEST(InformationRank, IsThatOfTheCorrelations) {
   EXPECT_EQ(information_rank<2>(Eigen::Vector2d(1e-12, 0.0).asDiagonal()), 1);
 }
 
+TEST(InformationRank, OfALocalMapIsUpToTheRoundingOfItsFactorisation) {
+  const auto hung_by = [](double softness) {
+    const Eigen::Vector3d stiff(1.0, -1.0, 0.0);
+    return Eigen::MatrixXd(stiff * stiff.transpose() + softness * Eigen::Matrix3d::Identity());
+  };
+  EXPECT_EQ(information_rank<Eigen::Dynamic>(hung_by(1e-12)), 3);
+  EXPECT_EQ(information_rank<Eigen::Dynamic>(hung_by(0.0)), 1);
+}
+
+TYPED_TEST(InformationTest, IdentityIsThatOfTheMeasuredDirections) {
+  constexpr int kSize = TestFixture::kSize;
+  EXPECT_TRUE(measured_identity<kSize>(this->with_smallest_eigenvalue(1.0)).isIdentity(0.0));
+  EXPECT_TRUE(measured_identity<kSize>(Matrix<kSize>::Zero()).isZero(0.0));
+  Matrix<kSize> W = this->with_smallest_eigenvalue(1.0);
+  W.row(1).setZero();
+  W.col(1).setZero();
+  Matrix<kSize> but_one = Matrix<kSize>::Identity();
+  but_one(1, 1) = 0.0;
+  EXPECT_TRUE(measured_identity<kSize>(W).isApprox(but_one, 1e-12));
+  EXPECT_TRUE(measured_identity<kSize>(W).row(1).isZero(0.0));
+  const Vector<kSize> along = Vector<kSize>::LinSpaced(1e-3, 1e3);
+  EXPECT_TRUE(
+      measured_identity<kSize>(along * along.transpose()).isApprox(along * along.transpose() / along.squaredNorm(), 1e-12));
+}
+
 TYPED_TEST(InformationTest, IsFiniteHoweverLarge) {
   const Matrix<TestFixture::kSize> P = 6e-309 * Matrix<TestFixture::kSize>::Identity();
   const auto W = information_of_covariance<TestFixture::kSize>(P);

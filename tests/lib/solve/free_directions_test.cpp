@@ -103,6 +103,21 @@ TYPED_TEST(FreeDirectionsTest, TakeRoundingForNoMotion) {
   }
 }
 
+TYPED_TEST(FreeDirectionsTest, SayTheSameInAnyUnitOfLength) {
+  const auto about = this->variables_[4].value.translation;
+  for (const Eigen::MatrixXd& N : {this->moved({1, 2, 3}), this->turned({1, 2, 3}, about), this->turned({0, 1}, about)}) {
+    for (const double unit : {1e-7, 1e-3, 1e3, 1e7}) {
+      auto variables = this->variables_;
+      Eigen::MatrixXd in_unit = N;
+      for (auto& variable : variables) {
+        variable.value.translation *= unit;
+        in_unit.middleRows<TestFixture::kDim>(variable.offset) *= unit;
+      }
+      EXPECT_EQ(free_directions(variables, in_unit), this->said(N)) << unit;
+    }
+  }
+}
+
 TYPED_TEST(FreeDirectionsTest, NameWhatMovesAThousandTimesLess) {
   Eigen::MatrixXd N = this->moved({3}).leftCols(1);
   N(this->variables_[4].offset, 0) = 1e-3;

@@ -93,6 +93,9 @@ TEST_F(StampsTest, AreTakenByIdBehindAHeaderToTheNanosecond) {
   log.poses[PoseIndex(1)].key = std::uint64_t{1} << 63;
   EXPECT_THAT(testing::error_of(take_ids_as_stamps(log)),
               EndsWith("the id of pose 9223372036854775808 is no time: 2^63 ns or more; --stamps gives times"));
+  log.poses[PoseIndex(1)].key = *parse_key("x3");
+  EXPECT_THAT(testing::error_of(take_ids_as_stamps(log)),
+              EndsWith("the id of pose x3 is no time: it is a GTSAM symbol; --stamps gives times"));
   EXPECT_THAT(log.stamps_ns, ElementsAre(1, 2));
 }
 

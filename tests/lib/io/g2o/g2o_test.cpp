@@ -231,5 +231,11 @@ TEST(G2o, RefusesAFileWithoutPoses) {
   EXPECT_EQ(message("VERTEX_XY 0 1 2\n"), "some.g2o: the log has no poses");
 }
 
+TEST(G2o, TakesSomeLinesOfFeaturesAlone) {
+  const auto log = read_g2o(TextScanner("some.g2o", "VERTEX_XY 0 1 2\n"), {}, {.is_whole = false, .needs_poses = false});
+  ASSERT_TRUE(log) << log.error().message;
+  EXPECT_EQ(std::get<Log<2>>(*log).features.size(), 1U);
+}
+
 }  // namespace
 }  // namespace mapjoin
