@@ -92,7 +92,7 @@ Eigen::VectorXd softest_direction(const NormalEquations& equations) {
 }  // namespace
 
 template <int Dim>
-bool is_surely_determined(const JoiningSystem<Dim>& system) {
+bool is_surely_determined(const JoiningSystem<Dim>& system, const std::vector<MapFit>& fits) {
   constexpr Vertex kWorldVertex = 0;
   const auto vertex = [&](PoseIndex place) {
     return place == kWorld || system.is_anchored(place) ? kWorldVertex : static_cast<Vertex>(1 + place.value);
@@ -104,8 +104,9 @@ bool is_surely_determined(const JoiningSystem<Dim>& system) {
     if (is_full(o->information)) ties.emplace_back(vertex(base), vertex(target));
   }
   for (const auto& [o, base, target] : system.feature_factors()) is_tied[target] = is_tied[target] || is_full(o->information);
-  for (const auto& [map, base, poses, features] : system.maps()) {
-    if (!is_full(map->information)) continue;
+  for (std::size_t m = 0; m < fits.size(); ++m) {
+    const auto& [map, base, poses, features] = system.maps()[m];
+    if (fits[m].rows < map->information.rows()) continue;
     for (const PoseIndex pose : poses) ties.emplace_back(vertex(base), vertex(pose));
     for (const FeatureIndex feature : features) is_tied[feature] = true;
   }
@@ -158,7 +159,7 @@ std::string free_to_move(const JoiningSystem<Dim>& system, std::optional<Variabl
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                \
-  template bool is_surely_determined(const JoiningSystem<Dim>&);                                                \
+  template bool is_surely_determined(const JoiningSystem<Dim>&, const std::vector<MapFit>&);                    \
   template Eigen::MatrixXd free_directions_of(JoiningSystem<Dim>&);                                             \
   template std::string free_to_move(const JoiningSystem<Dim>&, std::optional<Variable>, const Eigen::MatrixXd&, \
                                     const PoseIds&, const FeatureIds&);

@@ -3,10 +3,12 @@
 // What the observations of a join leave free to move: found where rounding hides it, and in words.
 
 #include <Eigen/Core>
+#include <mapjoin/join/join.hpp>
 #include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mapjoin {
 
@@ -23,9 +25,9 @@ Table<Index, Id> names_at(const Table<Index, Index>& part, const Table<Index, Id
 }
 
 /// True if observations and maps of full rank tie every pose to the World or an anchored pose, and every feature to one of
-/// these or a pose: nothing is then free to move.
+/// these or a pose: nothing is then free to move. `fits` are those of the system's maps, in their order.
 template <int Dim>
-bool is_surely_determined(const JoiningSystem<Dim>& system);
+bool is_surely_determined(const JoiningSystem<Dim>& system, const std::vector<MapFit>& fits);
 
 /// Directions, a column each, in which the observations leave the variables of `system` free, which was factorised near
 /// its estimate, without damping; none if everything is determined. Those that no singular pivot shows are found one at a time:

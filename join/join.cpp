@@ -68,12 +68,13 @@ struct Task {
 
 /// Bad input, with their names, if the observations leave variables free to move.
 template <int Dim>
-Expected<void> check_determined(const Task<Dim>& task, const PartialMap<Dim>& joined_map, JoiningSystem<Dim>& system,
-                                const MinimiseResult& result) {
+Expected<void> check_determined(const Task<Dim>& task, const PartialMap<Dim>& joined_map, const Join<Dim>& join,
+                                JoiningSystem<Dim>& system) {
+  const MinimiseResult& result = join.result;
   Eigen::MatrixXd free;
   if (result.status == MinimiseStatus::kSingular) {
     free = system.equations().null_space(kMostFreeDirections);
-  } else if (result.factorisations > 0 && std::isfinite(result.chi2) && !is_surely_determined(system)) {
+  } else if (result.factorisations > 0 && std::isfinite(result.chi2) && !is_surely_determined(system, join.maps)) {
     free = free_directions_of(system);
   }
   if (!result.singular && free.size() == 0) return {};
@@ -90,12 +91,12 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, co
   join.result = {minimise_join(system, task.options.state, solver, task.stop)};
   join.result.largest_rotation = largest_rotation_update(start, system.estimate());
   if (join.result.status == MinimiseStatus::kInterrupted) return interrupted("joining");
-  if (auto determined = check_determined(task, joined_map, system, join.result); !determined) {
+  join.maps = map_fits(system);
+  if (auto determined = check_determined(task, joined_map, join, system); !determined) {
     return tl::unexpected(determined.error());
   }
   join.state = state_of(task.graph, joined_map, system.estimate());
   for (const PoseIndex place : gauge.anchored) join.anchored.push_back(joined_map.poses[place]);
-  join.maps = map_fits(system);
   join.rows = measured_rows(joined_map, gauge, join.maps);
   join.poses = std::move(joined_map.poses);
   join.features = std::move(joined_map.features);

@@ -77,9 +77,9 @@ Eigen::MatrixXd whitening(const Eigen::MatrixXd& W) {
   return scaled.scale.asDiagonal() * scaled_eigenvectors(scaled.W, kLeastPivot);
 }
 
-/// The columns B with Bᵀ M B = I over the directions in which M is at least the share `least` of W: M⁺ = B Bᵀ there.
-Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W, double least) {
-  const Eigen::MatrixXd of_W = whitening(W);
+/// The columns B with Bᵀ M B = I over the directions in which M is at least the share `least` of W, given as whitening(W):
+/// M⁺ = B Bᵀ there.
+Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& of_W, double least) {
   return of_W * scaled_eigenvectors(of_W.transpose() * M * of_W, least);
 }
 
@@ -124,7 +124,8 @@ void LeaveOneOut<Dim>::solve_for_weak(std::span<const std::size_t> factors) {
   for (const std::size_t k : factors) {
     const Eigen::MatrixXd W = dense_factor(system_, k).W;
     if (has_all_directions(M(k), W, kLeastRedundancy)) continue;
-    if (testable_directions(M(k), W, kLeastRedundancy).cols() < whitening(W).cols()) weak.push_back(k);
+    const Eigen::MatrixXd of_W = whitening(W);
+    if (testable_directions(M(k), of_W, kLeastRedundancy).cols() < of_W.cols()) weak.push_back(k);
   }
   if (weak.empty()) return;
   const Table<Variable, std::size_t> counts = factor_counts(equations_.pattern());
@@ -161,7 +162,7 @@ PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
   if (has_all_directions(M_A, W, least)) {
     return {g_A.dot(M_A.llt().solve(g_A)), static_cast<int>(part.rows), W.llt().solve(M_A).trace()};
   }
-  const Eigen::MatrixXd B = testable_directions(M_A, W, least);
+  const Eigen::MatrixXd B = testable_directions(M_A, whitening(W), least);
   const double redundancy = (B.transpose() * W * B).diagonal().cwiseInverse().sum();  // it is diagonal
   return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols()), redundancy};
 }
@@ -180,9 +181,9 @@ PartTest LeaveOneOut<Dim>::prediction(std::size_t factor) const {
 template <int Dim>
 double LeaveOneOut<Dim>::leave_out(const MeasuredPart& part) {
   const DenseFactor factor = dense_factor(system_, part.factor);
-  const Eigen::MatrixXd B =
-      testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
-                          factor.W.block(part.row, part.row, part.rows, part.rows), least_redundancies_[part.factor]);
+  const Eigen::MatrixXd B = testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
+                                                whitening(factor.W.block(part.row, part.row, part.rows, part.rows)),
+                                                least_redundancies_[part.factor]);
   const Eigen::MatrixXd W_B = factor.W.middleCols(part.row, part.rows) * B;
   const Eigen::MatrixXd WJ_B = factor.J.transpose() * W_B;
   const Eigen::VectorXd shift = B.transpose() * g(part.factor).segment(part.row, part.rows);

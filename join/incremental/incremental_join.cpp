@@ -148,7 +148,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim
     if (const auto accepted = accept(std::move(update)); !accepted) return tl::unexpected(accepted.error());
     waiting_.push_back(updates_.size() - 1);
   }
-  if (updates_.size() > before) adopt_tied(stop, added);
+  if (updates_.size() > before) adopt_first(tied_updates(updates_, waiting_, estimate_), stop, added);
   if (!waiting_.empty() && !added.batch_adopted && !stop.stop_requested()) join_again_from(before, stop, added);
   added.is_joined = waiting_.empty() || waiting_.back() < before;
   return published(added);
@@ -217,15 +217,18 @@ void IncrementalJoin<Dim>::admit_waiting(const std::stop_token& stop, AddedUpdat
   const bool is_news = waiting_.back() + 1 == updates_.size() && asks_for_join(updates_.back());
   if (shared <= shared_when_tried_ && !is_news) return;
   shared_when_tried_ = shared;
-  adopt_tied(stop, added);
+  adopt_first(tied_updates(updates_, waiting_, estimate_), stop, added);
   if (stop.stop_requested()) shared_when_tried_ = 0;  // to be tried again
 }
 
 template <int Dim>
-void IncrementalJoin<Dim>::adopt_tied(const std::stop_token& stop, AddedUpdate& added) {
-  for (const std::vector<std::size_t>& tied : tied_updates(updates_, waiting_, estimate_)) {
-    if (adopt_batch(tied, stop, added) || stop.stop_requested()) return;
+bool IncrementalJoin<Dim>::adopt_first(const std::vector<std::vector<std::size_t>>& groups, const std::stop_token& stop,
+                                       AddedUpdate& added) {
+  for (const std::vector<std::size_t>& group : groups) {
+    if (adopt_batch(group, stop, added)) return true;
+    if (stop.stop_requested()) return false;
   }
+  return false;
 }
 
 template <int Dim>
@@ -243,11 +246,7 @@ void IncrementalJoin<Dim>::join_all(const std::stop_token& stop, AddedUpdate& ad
   const std::vector<std::size_t> waiting = waiting_;
   append(waiting_, joined);
   std::ranges::sort(waiting_);
-  for (const std::vector<std::size_t>& part : parts) {
-    if (stop.stop_requested()) break;
-    if (adopt_batch(part, stop, added)) return;
-  }
-  waiting_ = waiting;
+  if (!adopt_first(parts, stop, added)) waiting_ = waiting;
 }
 
 template <int Dim>

@@ -126,8 +126,8 @@ class IncrementalJoin {
   /// Joins all updates in the estimate and these waiting ones by join(), and takes the result; if none wait, only if chi2 is
   /// less. True if it was taken.
   bool adopt_batch(const std::vector<std::size_t>& waiting, const std::stop_token& stop, AddedUpdate& added);
-  /// Adopts the first group of tied_updates() that can be joined.
-  void adopt_tied(const std::stop_token& stop, AddedUpdate& added);
+  /// Adopts the first of these groups of waiting updates that can be joined. True if there is one.
+  bool adopt_first(const std::vector<std::vector<std::size_t>>& groups, const std::stop_token& stop, AddedUpdate& added);
   void take(const std::vector<const SubmapUpdate<Dim>*>& updates, const SubmapSet<Dim>& set, const Join<Dim>& joined,
             AddedUpdate& added);
 
