@@ -117,7 +117,12 @@ bool is_surely_determined(const JoiningSystem<Dim>& system, const std::vector<Ma
 }
 
 template <int Dim>
-Eigen::MatrixXd free_directions_of(JoiningSystem<Dim>& system) {
+Freedom freedom_at(Variable singular, const JoiningSystem<Dim>& system) {
+  return {singular, system.equations().null_space(kMostFreeDirections)};
+}
+
+template <int Dim>
+Freedom hidden_freedom(JoiningSystem<Dim>& system) {
   constexpr double kStiff = 1e-8;    // the share of vᵀDv beyond the rounding of H, a few ε a variable
   constexpr int kCorrections = 4;    // each takes out of v the rest of what is not free
   constexpr double kNothing = 1e-6;  // the share of v beyond which a correction has left nothing
@@ -125,20 +130,20 @@ Eigen::MatrixXd free_directions_of(JoiningSystem<Dim>& system) {
   Eigen::VectorXd v = softest_direction(equations);
   if (equations.curvature(v) > kStiff * v.dot(equations.diagonal().cwiseProduct(v))) return {};
   system.linearise();
-  if (system.factorise(0.0)) return equations.null_space(kMostFreeDirections);
+  if (const auto singular = system.factorise(0.0)) return freedom_at(*singular, system);
   v = softest_direction(equations);
   for (int k = 0; k < kCorrections && v.norm() > kNothing; ++k) {
     v.stableNormalize();
     const Cost cost = cost_of(v, system);
-    if (cost.value <= cost.rounding) return v;
+    if (cost.value <= cost.rounding) return {{}, v};
     v -= equations.solve(cost.gradient);
   }
   return {};
 }
 
 template <int Dim>
-std::string free_to_move(const JoiningSystem<Dim>& system, std::optional<Variable> singular, const Eigen::MatrixXd& null_space,
-                         const PoseIds& pose_ids, const FeatureIds& feature_ids) {
+std::string free_to_move(const JoiningSystem<Dim>& system, const Freedom& freedom, const PoseIds& pose_ids,
+                         const FeatureIds& feature_ids) {
   const NormalEquations& equations = system.equations();
   std::vector<PlacedVariable<Dim>> variables;
   for (const PoseIndex p : indices(pose_ids)) {
@@ -150,19 +155,19 @@ std::string free_to_move(const JoiningSystem<Dim>& system, std::optional<Variabl
     const Pose<Dim> place{system.estimate().features[f], {}};
     variables.push_back({to_string(feature_ids[f]), place, equations.offset(system.variable(f)), false});
   }
-  std::string found = free_directions(variables, null_space);
+  std::string found = free_directions(variables, freedom.directions);
   if (found.empty()) {  // the engine knows no direction
-    const Eigen::Index offset = equations.offset(singular.value());
+    const Eigen::Index offset = equations.offset(freedom.singular.value());
     found = std::ranges::find(variables, offset, &PlacedVariable<Dim>::offset)->name + " cannot be determined";
   }
   return found + lost_weights_in_words(system, extent_of(variables));
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                \
-  template bool is_surely_determined(const JoiningSystem<Dim>&, const std::vector<MapFit>&);                    \
-  template Eigen::MatrixXd free_directions_of(JoiningSystem<Dim>&);                                             \
-  template std::string free_to_move(const JoiningSystem<Dim>&, std::optional<Variable>, const Eigen::MatrixXd&, \
-                                    const PoseIds&, const FeatureIds&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                             \
+  template bool is_surely_determined(const JoiningSystem<Dim>&, const std::vector<MapFit>&); \
+  template Freedom freedom_at(Variable, const JoiningSystem<Dim>&);                          \
+  template Freedom hidden_freedom(JoiningSystem<Dim>&);                                      \
+  template std::string free_to_move(const JoiningSystem<Dim>&, const Freedom&, const PoseIds&, const FeatureIds&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -29,21 +29,31 @@ Table<Index, Id> names_at(const Table<Index, Index>& part, const Table<Index, Id
 template <int Dim>
 bool is_surely_determined(const JoiningSystem<Dim>& system, const std::vector<MapFit>& fits);
 
-/// Directions, a column each, in which the observations leave the variables of `system` free, which was factorised near
-/// its estimate, without damping; none if everything is determined. Those that no singular pivot shows are found one at a time:
-/// the pivot of a direction along which many poses move far, such as a turn of the whole map, is a difference of large sums,
-/// whose rounding passes for information.
+/// What the observations of a joining system leave free to move.
+struct Freedom {
+  std::optional<Variable> singular;  ///< A variable whose pivot is singular, if the factorisation met one.
+  Eigen::MatrixXd directions;        ///< A column each; none where the engine's pivot alone is singular.
+
+  bool is_any() const { return singular.has_value() || directions.size() > 0; }
+};
+
+/// The freedom of `system`, in which factorise() met a singular pivot at `singular`.
+template <int Dim>
+Freedom freedom_at(Variable singular, const JoiningSystem<Dim>& system);
+
+/// The freedom of `system`, which was factorised near its estimate, without damping and without a singular pivot. A direction
+/// that no pivot shows at the estimate, either, is found alone: the pivot of one along which many poses move far, such as a
+/// turn of the whole map, is a difference of large sums, whose rounding passes for information.
 ///
 /// Inverse iteration leads to the direction v that costs least by the factorised H. Its cost is the sum of (J v)ᵀ W (J v) over
 /// the factors, which does not suffer from cancellation; v is free if it is no larger than that of the rounding of J v.
 template <int Dim>
-Eigen::MatrixXd free_directions_of(JoiningSystem<Dim>& system);
+Freedom hidden_freedom(JoiningSystem<Dim>& system);
 
-/// A sentence on the poses and features that the observations of a singular system leave free to move, in the directions of its
-/// null space, a column each, with advice if the largest weights leave no digits to the least. `singular` is the variable to
-/// name if there are no directions. The names are those of the places of the joined state.
+/// A sentence on the poses and features that have some freedom, with advice if the largest weights leave no digits to the
+/// least. The names are those of the places of the joined state.
 template <int Dim>
-std::string free_to_move(const JoiningSystem<Dim>& system, std::optional<Variable> singular, const Eigen::MatrixXd& null_space,
-                         const PoseIds& pose_ids, const FeatureIds& feature_ids);
+std::string free_to_move(const JoiningSystem<Dim>& system, const Freedom& freedom, const PoseIds& pose_ids,
+                         const FeatureIds& feature_ids);
 
 }  // namespace mapjoin

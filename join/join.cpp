@@ -71,14 +71,14 @@ template <int Dim>
 Expected<void> check_determined(const Task<Dim>& task, const PartialMap<Dim>& joined_map, const Join<Dim>& join,
                                 JoiningSystem<Dim>& system) {
   const MinimiseResult& result = join.result;
-  Eigen::MatrixXd free;
-  if (result.status == MinimiseStatus::kSingular) {
-    free = system.equations().null_space(kMostFreeDirections);
+  Freedom freedom;
+  if (result.singular) {
+    freedom = freedom_at(*result.singular, system);
   } else if (result.factorisations > 0 && std::isfinite(result.chi2) && !is_surely_determined(system, join.maps)) {
-    free = free_directions_of(system);
+    freedom = hidden_freedom(system);
   }
-  if (!result.singular && free.size() == 0) return {};
-  return bad_input(free_to_move(system, result.singular, free, names_at(joined_map.poses, task.pose_ids),
+  if (!freedom.is_any()) return {};
+  return bad_input(free_to_move(system, freedom, names_at(joined_map.poses, task.pose_ids),
                                 names_at(joined_map.features, task.feature_ids)));
 }
 

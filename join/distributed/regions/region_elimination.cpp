@@ -28,7 +28,7 @@ std::string RegionElimination<Dim>::free_to_move(const PoseIds& poses, const Fea
   const auto singular = system_.factorise(0.0);
   if (!singular) return "";
   const Eigen::MatrixXd directions = equations().to_variables(solver_->null_space(kMostFreeDirections));
-  return mapjoin::free_to_move(system_, *singular, directions, poses, features);
+  return mapjoin::free_to_move(system_, {*singular, directions}, poses, features);
 }
 
 template <int Dim>

@@ -38,7 +38,7 @@ template <int Dim>
 std::string RegionProblem<Dim>::free_here(const LogPart<Dim>& whole) const {
   if (!singular_here_) return "";
   const Eigen::MatrixXd directions = system_.equations().to_variables(solver_->null_space_here(kMostFreeDirections));
-  return free_to_move(system_, *singular_here_, directions, names_at(region_.poses, whole.poses),
+  return free_to_move(system_, {*singular_here_, directions}, names_at(region_.poses, whole.poses),
                       names_at(region_.features, whole.features));
 }
 
