@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/identity_search.hpp>
-#include <mapjoin/join/association/tracking.hpp>
+#include <mapjoin/join/association/log_tracking.hpp>
+#include <mapjoin/join/association/sighting_density.hpp>
 #include <mapjoin/model/information.hpp>
-#include <mapjoin/parallel/parallel.hpp>
 #include <numeric>
 #include <utility>
 
@@ -15,44 +14,6 @@ namespace {
 
 /// Observations per segment, or slightly more: enough to estimate its features well, few enough for accurate odometry.
 constexpr std::size_t kObservationsPerSegment = 150;
-
-/// The points that every pose or local map sees at once.
-template <int Dim>
-std::vector<std::vector<Point<Dim>>> seen_at_once(std::span<const FeatureFactor<Dim>> observations,
-                                                  const std::vector<LocalMap<Dim>>& maps) {
-  std::vector<std::vector<Point<Dim>>> sets;
-  for (const auto& map : maps) sets.push_back(map.feature_estimates);
-  PoseIndex pose = kWorld;
-  for (const auto& observation : observations) {
-    if (std::exchange(pose, observation.base) != observation.base) sets.emplace_back();
-    sets.back().push_back(observation.measured);
-  }
-  return sets;
-}
-
-/// The covariance of a point with the mean information of all observations and features of local maps, of these given the rest
-/// of their map; zero if that does not determine a point.
-template <int Dim>
-PointMatrix<Dim> mean_noise(std::span<const FeatureFactor<Dim>> observations, const std::vector<LocalMap<Dim>>& maps) {
-  PointMatrix<Dim> information = PointMatrix<Dim>::Zero();
-  std::size_t points = observations.size();
-  for (const auto& observation : observations) information += observation.information;
-  for (const auto& map : maps) {
-    points += map.features.size();
-    for (std::size_t f = 0; f < map.features.size(); ++f) {
-      const Eigen::Index row = map.row(map.poses.size() + f);
-      information += map.information.template block<Dim, Dim>(row, row);
-    }
-  }
-  if (information_rank<Dim>(information) < Dim) return PointMatrix<Dim>::Zero();
-  return static_cast<double>(points) * information.inverse();
-}
-
-/// The density of features around those that the poses and local maps see.
-template <int Dim>
-NeighbourDensity<Dim> density_of(std::span<const FeatureFactor<Dim>> observations, const std::vector<LocalMap<Dim>>& maps) {
-  return NeighbourDensity<Dim>(seen_at_once<Dim>(observations, maps), mean_noise<Dim>(observations, maps));
-}
 
 /// Splits a log into segments of equally many poses, with about kObservationsPerSegment observations each.
 template <int Dim>
@@ -94,29 +55,6 @@ Error error_of_estimate(Source<Dim> data, const Join& join, Error error) {
                                 "leave it out"
                               : error.message;
   return bad_input_of(source, why).value();
-}
-
-/// Tracks all observations, segment by segment; features are numbered consecutively over all segments.
-template <int Dim>
-std::vector<Tracked> tracked(const Log<Dim>& log, const Split& split, const NeighbourDensity<Dim>& density,
-                             const AssociationOptions& options, const std::stop_token& stop) {
-  std::vector<std::vector<Tracked>> of_segments(split.segments.size());
-  parallel_for(of_segments.size(), [&](std::size_t k) {
-    if (stop.stop_requested()) return;
-    Matcher<Dim> matcher(density, options.method, options.confidence, static_cast<double>(log.observations().size()));
-    of_segments[k] = track(segment_view(log, split, split.segments[k]), matcher, options.confidence);
-  });
-  std::vector<Tracked> all;
-  std::size_t first = 0;
-  for (const auto& some : of_segments) {
-    std::size_t next = first;
-    for (const auto& [feature, match] : some) {
-      all.push_back({first + feature, match});
-      next = std::max(next, first + feature + 1);
-    }
-    first = next;
-  }
-  return all;
 }
 
 /// The base and the name of a sighting.
@@ -184,14 +122,14 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
   demand_valid(options);
   if (auto sound = check_invariants(log); !sound) return tl::unexpected(sound.error());
   if (!log.feature_priors().empty()) return of_named_prior(log.source);
-  const NeighbourDensity<Dim> density = density_of<Dim>(log.observations(), {});
+  NeighbourDensity<Dim> density = density_of<Dim>(log.observations(), {});
   const Split split = split_evenly(log);
   std::vector<Seen> seen;
   for (const auto& observation : log.observations()) seen.push_back({observation.base, observation.target});
   std::vector<std::size_t> labels;
   std::vector<std::optional<Match>> matches(seen.size());
   if (!options.names_hold) {
-    for (const auto& [feature, match] : tracked(log, split, density, options, stop)) {
+    for (const auto& [feature, match] : track_log(log, split, options, density, stop)) {
       matches[labels.size()] = match;
       labels.push_back(feature);
     }

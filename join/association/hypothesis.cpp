@@ -36,6 +36,27 @@ PointMatrix<Dim> PairingProblem<Dim>::covariance_of(const Pairing& one, const Pa
 }
 
 template <int Dim>
+double PairingProblem<Dim>::log_overlooked(std::size_t known, double error) const {
+  if (distances.empty()) return 0.0;
+  double sum = 0.0;
+  for (const double distance : distances[known]) sum += sees.log_overlooked(distance, error);
+  return sum;
+}
+
+template <int Dim>
+std::optional<Extension<Dim>> extension_by(const Pairing& pairing, const Remainder<Dim>& left, Eigen::Index rows, double d2,
+                                           const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) {
+  const Eigen::LLT<PointMatrix<Dim>> factor(left.covariance);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  const Point<Dim> whitened = factor.matrixL().solve(left.difference);
+  const double own = whitened.squaredNorm();
+  const bool is_within = own <= gates(Dim) && d2 + own <= gates(rows + Dim);  // false if the covariance is not finite
+  if (!is_within) return std::nullopt;
+  const double log_odds = gain<Dim>(left.difference, left.covariance, own, log_determinant<Dim>(factor), density);
+  return Extension<Dim>{pairing, log_odds, left.covariance, whitened, {}};
+}
+
+template <int Dim>
 bool Hypothesis<Dim>::takes(std::size_t known) const {
   return std::ranges::any_of(pairings_, [known](const Pairing& p) { return p.known == known; });
 }
@@ -49,18 +70,12 @@ std::optional<Extension<Dim>> Hypothesis<Dim>::extension(const Pairing& pairing,
     coupling.middleRows<Dim>(static_cast<Eigen::Index>(k) * Dim) = problem_->covariance_of(pairings_[k], pairing);
   }
   factor_.template triangularView<Eigen::Lower>().solveInPlace(coupling);
-  PointMatrix<Dim> S = problem_->covariance_of(pairing, pairing);
-  S.noalias() -= coupling.transpose() * coupling;
-  Point<Dim> difference = problem_->difference(pairing);
-  difference.noalias() -= coupling.transpose() * whitened_;
-  const Eigen::LLT<PointMatrix<Dim>> factor(S);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  const Point<Dim> whitened = factor.matrixL().solve(difference);
-  const double d2 = whitened.squaredNorm();
-  const bool is_within = d2 <= gates(Dim) && squared_distance() + d2 <= gates(rows + Dim);  // false if S is not finite
-  if (!is_within) return std::nullopt;
-  return Extension<Dim>{pairing, gain<Dim>(difference, S, d2, log_determinant<Dim>(factor), density), S, whitened,
-                        std::move(coupling)};
+  Remainder<Dim> left{problem_->difference(pairing), problem_->covariance_of(pairing, pairing)};
+  left.covariance.noalias() -= coupling.transpose() * coupling;
+  left.difference.noalias() -= coupling.transpose() * whitened_;
+  auto extension = extension_by<Dim>(pairing, left, rows, squared_distance(), density, gates);
+  if (extension) extension->coupling = std::move(coupling);
+  return extension;
 }
 
 /// With L Lᵀ the covariance of all differences d and E the rows of the pairing, its information given the others is Zᵀ Z, with
@@ -77,7 +92,10 @@ std::optional<GivenOthers<Dim>> Hypothesis<Dim>::given_others(std::size_t place,
   const Point<Dim> difference = S * weighted;
   const double d2 = weighted.dot(difference);
   if (!(d2 <= gates(Dim))) return std::nullopt;
-  return GivenOthers<Dim>{gain<Dim>(difference, S, d2, -log_determinant<Dim>(factor), density), S};
+  const double error = std::sqrt(gates(Dim) * S.trace());
+  const double log_odds = gain<Dim>(difference, S, d2, -log_determinant<Dim>(factor), density) -
+                          problem_->log_overlooked(pairings_[place].known, error);
+  return GivenOthers<Dim>{log_odds, S};
 }
 
 template <int Dim>
@@ -110,8 +128,10 @@ ShiftGrowth<Dim> Hypothesis<Dim>::growth() const {
   return {moved.transpose() * moved, moved.transpose() * whitened_};
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)       \
-  template struct PairingProblem<Dim>; \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                   \
+  template struct PairingProblem<Dim>;                                                                             \
+  template std::optional<Extension<Dim>> extension_by(const Pairing&, const Remainder<Dim>&, Eigen::Index, double, \
+                                                      const NeighbourDensity<Dim>&, ChiSquaredQuantiles&);         \
   template class Hypothesis<Dim>;
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

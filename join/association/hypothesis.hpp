@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/join/association/neighbour_density.hpp>
+#include <mapjoin/join/association/sighting_chance.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <optional>
 #include <vector>
@@ -34,12 +35,18 @@ struct PairingProblem {
   std::vector<Point<Dim>> sightings;
   Eigen::MatrixXd covariance;                     ///< Joint covariance of all points, the known ones first (m²).
   std::vector<std::vector<std::size_t>> choices;  ///< Known features that a sighting may be of, by sighting.
+  SightingChance sees;                            ///< The chance that a pose sees a feature, by `distances`.
+  /// By known feature, its distances (m) from poses that saw one feature there: if the sighting is of another one, they
+  /// overlooked one of the two. Empty if they are not known.
+  std::vector<std::vector<double>> distances;
   std::vector<Point<Dim>> surroundings;  ///< All features of the sightings' map, to find its shifts onto itself; else empty.
   double log_tests = 0.0;                ///< Logarithm of the number of such problems tried, if chance may solve one; else 0.
 
   /// known - sighting (m), which should be zero; covariance_of() is its covariance with that of another pairing (m²).
   Point<Dim> difference(const Pairing& pairing) const { return known[pairing.known] - sightings[pairing.sighting]; }
   PointMatrix<Dim> covariance_of(const Pairing& one, const Pairing& other) const;
+  /// The logarithm of the chance that a feature was overlooked from all distances of a known one, each known to ± `error` (m).
+  double log_overlooked(std::size_t known, double error) const;
 };
 
 /// A pairing that can be added to a hypothesis, and its gain.
@@ -53,10 +60,24 @@ struct Extension {
   double squared_distance() const { return whitened.squaredNorm(); }
 };
 
+/// What the pairings of a hypothesis leave of the difference of another one.
+template <int Dim>
+struct Remainder {
+  Point<Dim> difference = Point<Dim>::Zero();              ///< Given the pairings (m).
+  PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();  ///< Of the difference (m²).
+};
+
+/// The extension, without its coupling, of a hypothesis of `rows` coordinates in all and squared distance `d2` by a pairing of
+/// which it leaves `left`; nullopt if the distance of the pairing, or that of all together, is outside of its gate.
+template <int Dim>
+std::optional<Extension<Dim>> extension_by(const Pairing& pairing, const Remainder<Dim>& left, Eigen::Index rows, double d2,
+                                           const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates);
+
 /// A pairing of a hypothesis, given all others.
 template <int Dim>
 struct GivenOthers {
-  double gain = 0.0;            ///< Logarithm of the odds against another feature there that is not known yet.
+  double gain = 0.0;            ///< Logarithm of the odds against another feature there that is not known yet: one of the two
+                                ///< was then overlooked from each of the problem's distances.
   PointMatrix<Dim> covariance;  ///< Covariance of the difference, given the other pairings (m²).
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <mapjoin/join/association/beam_search.hpp>
 #include <mapjoin/join/association/matching.hpp>
 #include <mapjoin/join/association/point_tree.hpp>
 #include <utility>
@@ -10,8 +11,6 @@
 namespace mapjoin {
 namespace {
 
-/// The most branches followed from sighting to sighting.
-constexpr std::size_t kMostBranches = 40;
 /// The most placements compared.
 constexpr std::size_t kMostPlacements = 8;
 /// Points count as coincident under a shift if they are within this quantile of their distance.
@@ -62,46 +61,15 @@ double Matcher<Dim>::squared_distance(const PairingProblem<Dim>& problem, const 
   return Hypothesis<Dim>(problem).extension(pairing, density_, gates_)->squared_distance();
 }
 
-template <int Dim>
-Hypothesis<Dim> Matcher<Dim>::best(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order,
-                                   const Forbidden& forbidden) {
-  std::vector<Hypothesis<Dim>> branches(1, Hypothesis<Dim>(problem));
-  struct Branch {
-    std::size_t from;
-    std::optional<Extension<Dim>> extension;
-    double score;
-  };
-  for (const std::size_t sighting : order) {
-    std::vector<Branch> next;
-    for (std::size_t from = 0; from < branches.size(); ++from) {
-      next.push_back({from, std::nullopt, branches[from].score()});
-      for (const std::size_t known : problem.choices[sighting]) {
-        if (std::ranges::find(forbidden[sighting], known) != forbidden[sighting].end() || branches[from].takes(known)) continue;
-        auto extension = branches[from].extension({known, sighting}, density_, gates_);
-        if (extension) next.push_back({from, std::move(extension), branches[from].score() + extension->gain});
-      }
-    }
-    const auto most = next.begin() + static_cast<std::ptrdiff_t>(std::min(kMostBranches, next.size()));
-    std::ranges::stable_sort(next, std::greater<>(), &Branch::score);
-    std::vector<Hypothesis<Dim>> followed;
-    for (auto branch = next.begin(); branch != most; ++branch) {
-      followed.push_back(branches[branch->from]);
-      if (branch->extension) followed.back().extend(*branch->extension);
-    }
-    branches = std::move(followed);
-  }
-  return std::move(branches.front());
-}
-
 /// The best hypothesis, then the best ones that share no pairing with those before them and have at least half as many pairings
 /// as the first, each extended by the pairings of the first that are compatible with it.
 template <int Dim>
 std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(const PairingProblem<Dim>& problem,
                                                       const std::vector<std::size_t>& order) {
   std::vector<Hypothesis<Dim>> found;
-  Forbidden forbidden(problem.sightings.size());
+  ForbiddenPairings forbidden(problem.sightings.size());
   while (found.size() < kMostPlacements) {
-    Hypothesis<Dim> next = best(problem, order, forbidden);
+    Hypothesis<Dim> next = best_hypothesis<Dim>(problem, order, forbidden, density_, gates_);
     const std::size_t pairings = next.pairings().size();
     if (pairings == 0 || (!found.empty() && 2 * pairings < found.front().pairings().size())) break;
     for (const Pairing& p : next.pairings()) forbidden[p.sighting].push_back(p.known);

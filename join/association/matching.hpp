@@ -55,9 +55,7 @@ class Matcher {
   double gate() { return gates_(Dim); }
 
  private:
-  using Forbidden = std::vector<std::vector<std::size_t>>;  // known features, by sighting
   std::vector<std::size_t> gated(PairingProblem<Dim>& problem);
-  Hypothesis<Dim> best(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order, const Forbidden& forbidden);
   std::vector<Hypothesis<Dim>> placements(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order);
   double squared_distance(const PairingProblem<Dim>& problem, const Pairing& pairing);
   bool contradicts(const Hypothesis<Dim>& other, const Pairing& pairing);

@@ -52,10 +52,10 @@ double filled_by(std::span<const std::vector<Point<Dim>>> sets, const PointMatri
   return with_noise > std::numbers::sqrt2 * filled ? with_noise : filled;
 }
 
-/// The number of points over the volume that they fill: over all sets that are large enough, otherwise over all sets laid over
-/// each other. 1 if these are too few, or fill nothing.
+}  // namespace
+
 template <int Dim>
-double mean_density(std::span<const std::vector<Point<Dim>>> sets, const PointMatrix<Dim>& noise) {
+std::optional<double> mean_density(std::span<const std::vector<Point<Dim>>> sets, const PointMatrix<Dim>& noise) {
   double points = 0.0;
   std::vector<Point<Dim>> all;
   for (const auto& set : sets) {
@@ -65,19 +65,17 @@ double mean_density(std::span<const std::vector<Point<Dim>>> sets, const PointMa
   const bool has_large_sets = points > 0.0;
   if (!has_large_sets) points = static_cast<double>(all.size()) / static_cast<double>(sets.size());
   const double filled = has_large_sets ? filled_by<Dim>(sets, noise) : filled_by<Dim>(std::span(&all, 1), noise);
-  return filled > 0.0 ? points / filled : 1.0;
+  return filled > 0.0 ? std::optional(points / filled) : std::nullopt;
 }
-
-}  // namespace
 
 template <int Dim>
 NeighbourDensity<Dim>::NeighbourDensity(std::span<const std::vector<Point<Dim>>> sets, const PointMatrix<Dim>& noise)
-    : overall_(mean_density<Dim>(sets, noise)) {
+    : overall_(mean_density<Dim>(sets, noise).value_or(1.0)) {
   std::size_t pairs = 0;
   for (const auto& set : sets) pairs += set.size() * (set.size() - 1) / 2;
   for (std::size_t k = 0; k < sets.size(); k += 1 + pairs / kMostDistances) {
     const auto& set = sets[k];
-    points_ += static_cast<double>(set.size());
+    if (set.size() > 1) points_ += static_cast<double>(set.size());
     for (std::size_t i = 0; i < set.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) distances_.push_back((set[i] - set[j]).norm());
     }
@@ -86,14 +84,22 @@ NeighbourDensity<Dim>::NeighbourDensity(std::span<const std::vector<Point<Dim>>>
 }
 
 template <int Dim>
+void NeighbourDensity<Dim>::set_overall(double overall) {
+  share_ *= overall_ / overall;
+  overall_ = overall;
+}
+
+template <int Dim>
 double NeighbourDensity<Dim>::log_within(double distance) const {
   const auto pairs = std::ranges::upper_bound(distances_, distance) - distances_.begin();
   // Logarithms, as the volume may overflow if the distance is not known at all.
   const double log_ball = std::log(kUnitBall<Dim>) + Dim * std::log(distance);
-  const double log_count = std::log(2.0 * (static_cast<double>(pairs) + 1.0) / points_);
+  const double log_count = std::log(2.0 * (static_cast<double>(pairs) + 1.0) / (share_ * points_));
   return std::min(log_count - log_ball, std::log(overall_));
 }
 
+template std::optional<double> mean_density<2>(std::span<const std::vector<Point<2>>>, const PointMatrix<2>&);
+template std::optional<double> mean_density<3>(std::span<const std::vector<Point<3>>>, const PointMatrix<3>&);
 template class NeighbourDensity<2>;
 template class NeighbourDensity<3>;
 

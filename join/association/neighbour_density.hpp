@@ -3,6 +3,7 @@
 // The density of features around a feature, learnt from points seen at once.
 
 #include <mapjoin/geometry/pose.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,11 +24,21 @@ class NeighbourDensity {
   /// is counted than was seen; the density is at most overall().
   double log_within(double distance) const;
   double overall() const { return overall_; }
+  /// Takes another density over all features around, of which the sets show a share: a sensor may give one feature at a time,
+  /// or overlook many. The density at every distance is then as many times higher.
+  void set_overall(double overall);
 
  private:
   std::vector<double> distances_;  // between all pairs of points of a set, ascending (m); of many sets, of some of them
-  double points_ = 0.0;            // number of points of these sets
+  double points_ = 0.0;            // number of points of these sets, but for those of one point
   double overall_ = 0.0;           // density over whole sets
+  double share_ = 1.0;             // of the features around that is seen at once
 };
+
+/// The density of points (1/m to the power of Dim) over sets with errors of covariance `noise`, as in NeighbourDensity: that of
+/// all sets of Dim + 2 points or more; if there are none, of all sets laid over each other. nullopt if these are too few, or
+/// fill nothing.
+template <int Dim>
+std::optional<double> mean_density(std::span<const std::vector<Point<Dim>>> sets, const PointMatrix<Dim>& noise);
 
 }  // namespace mapjoin

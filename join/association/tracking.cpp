@@ -5,6 +5,7 @@
 #include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <numeric>
 #include <span>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -12,33 +13,59 @@ namespace {
 template <int Dim>
 class Tracker {
  public:
-  Tracker(Matcher<Dim>& matcher, double confidence) : matcher_(matcher), confidence_(confidence) {}
+  Tracker(const SightingChance& sees, Matcher<Dim>& matcher, double confidence)
+      : sees_(sees), matcher_(matcher), confidence_(confidence) {}
 
   void move(const PoseFactor<Dim>& step) { filter_.move(step); }
 
   /// Takes the observations of one pose.
   void see(std::span<const FeatureFactor<Dim>> scan) {
+    if (scan.empty()) return;
     const std::vector<Match> matches = matcher_(problem(scan));
+    note_trials(matches);
     std::vector<std::size_t> fresh;
     for (std::size_t s = 0; s < scan.size(); ++s) {
       const Match& match = matches[s];
       if (match.known && match.probability >= confidence_) {
-        tracked_.push_back({features_[*match.known], match});
+        Feature& feature = features_[*match.known];
+        tracks_.observations.push_back({feature.number, match});
+        feature.distance = scan[s].measured.norm();
+        feature.is_seen_again = true;
         filter_.update(*match.known, scan[s]);
         continue;
       }
-      tracked_.push_back({next_++, std::nullopt});
+      tracks_.observations.push_back({next_++, std::nullopt});
       if (match.candidates == 0) fresh.push_back(s);
     }
     for (const std::size_t s : fresh) {
       filter_.add(scan[s]);
-      features_.push_back(tracked_[tracked_.size() - scan.size() + s].feature);
+      const std::size_t number = tracks_.observations[tracks_.observations.size() - scan.size() + s].feature;
+      features_.push_back({number, scan[s].measured.norm(), false});
     }
   }
 
-  std::vector<Tracked> take() { return std::move(tracked_); }
+  Tracks<Dim> take() {
+    for (std::size_t k = 0; k < features_.size(); ++k) {
+      if (features_[k].is_seen_again) tracks_.followed.push_back(filter_.features()[k]);
+    }
+    return std::move(tracks_);
+  }
 
  private:
+  /// A feature in the filter.
+  struct Feature {
+    std::size_t number;
+    double distance;     // from the pose that saw it last (m)
+    bool is_seen_again;  // true once it was seen twice
+  };
+
+  void note_trials(const std::vector<Match>& matches) {
+    for (std::size_t k = 0; k < features_.size(); ++k) {
+      const bool is_seen = std::ranges::any_of(matches, [k](const Match& match) { return match.known == k; });
+      tracks_.trials.emplace_back(filter_.features()[k].norm(), is_seen);
+    }
+  }
+
   PairingProblem<Dim> problem(std::span<const FeatureFactor<Dim>> scan) const {
     PairingProblem<Dim> problem;
     problem.known = filter_.features();
@@ -46,6 +73,10 @@ class Tracker {
     const Eigen::Index rows = known + static_cast<Eigen::Index>(scan.size()) * Dim;
     problem.covariance.setZero(rows, rows);
     problem.covariance.topLeftCorner(known, known) = filter_.covariance();
+    problem.sees = sees_;
+    for (std::size_t k = 0; k < features_.size(); ++k) {
+      problem.distances.push_back({features_[k].distance, problem.known[k].norm()});
+    }
     std::vector<std::size_t> all(problem.known.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     problem.choices.assign(scan.size(), all);
@@ -57,19 +88,20 @@ class Tracker {
     return problem;
   }
 
+  const SightingChance& sees_;
   Matcher<Dim>& matcher_;
   double confidence_;
   FeatureFilter<Dim> filter_;
-  std::vector<std::size_t> features_;  // numbers of the features in the filter
-  std::vector<Tracked> tracked_;
+  std::vector<Feature> features_;  // the features in the filter
+  Tracks<Dim> tracks_;
   std::size_t next_ = 0;
 };
 
 }  // namespace
 
 template <int Dim>
-std::vector<Tracked> track(const SegmentView<Dim>& segment, Matcher<Dim>& matcher, double confidence) {
-  Tracker<Dim> tracker(matcher, confidence);
+Tracks<Dim> track(const SegmentView<Dim>& segment, const SightingChance& sees, Matcher<Dim>& matcher, double confidence) {
+  Tracker<Dim> tracker(sees, matcher, confidence);
   auto step = segment.odometry.begin();
   auto first = segment.observations.begin();
   for (PoseIndex pose = segment.begin; pose <= segment.end; ++pose) {
@@ -85,7 +117,7 @@ std::vector<Tracked> track(const SegmentView<Dim>& segment, Matcher<Dim>& matche
   return tracker.take();
 }
 
-template std::vector<Tracked> track(const SegmentView<2>&, Matcher<2>&, double);
-template std::vector<Tracked> track(const SegmentView<3>&, Matcher<3>&, double);
+template Tracks<2> track(const SegmentView<2>&, const SightingChance&, Matcher<2>&, double);
+template Tracks<3> track(const SegmentView<3>&, const SightingChance&, Matcher<3>&, double);
 
 }  // namespace mapjoin

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <tbb/global_control.h>
+#include <map>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/association/sighting_fit.hpp>
@@ -120,6 +121,51 @@ TEST(AssociateTest, FindsFeaturesThatAllLieOnALine) {
     const auto score = testing::pair_score(sightings);
     EXPECT_GE(score.precision, 0.99);
     EXPECT_GE(score.recall, 0.95);
+  }
+}
+
+/// A sighting far from its feature is still of it where poses would hardly have overlooked another one.
+TEST(AssociateTest, KnowsThatASurelySeenFeatureIsNotOverlooked) {
+  const Log<2> log = simulate_manhattan<2>({.poses = 150,
+                                            .seed = 4,
+                                            .side = 10.0,
+                                            .feature_cell = 4.0,
+                                            .feature_jitter = 0.5,
+                                            .range = 5.0,
+                                            .observation_noise = 0.05})
+                         .log;
+  const auto found = associate(log, AssociationOptions{}).value();
+  const auto score = testing::pair_score(found.sightings);
+  EXPECT_GE(score.precision, 0.99);
+  EXPECT_GE(score.recall, 0.85);
+  EXPECT_LE(found.data.features.size(), 30u) << "of " << log.features.size();
+}
+
+/// The log with one observation of each pose, at random.
+Log<2> one_by_one(Log<2> log) {
+  testing::Random random(1);
+  std::map<PoseIndex, std::vector<FeatureFactor<2>>> of_poses;
+  for (const auto& o : log.observations()) of_poses[o.base].push_back(o);
+  log.graph.feature_factors.clear();
+  for (const auto& [pose, seen] : of_poses) {
+    const auto place = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(seen.size())));
+    log.graph.feature_factors.push_back(seen[std::min(place, seen.size() - 1)]);
+  }
+  return log;
+}
+
+/// A sensor that gives one feature at a time does not show how densely they stand.
+TEST(AssociateTest, DoesNotTakeWhatIsSeenAtOnceForAllThereIs) {
+  for (const double range : {2.0, 4.0}) {
+    const Log<2> log = one_by_one(simulate_manhattan<2>({.poses = 600,
+                                                         .seed = 3,
+                                                         .side = 15.0,
+                                                         .feature_cell = 1.5,
+                                                         .feature_jitter = 0.75,
+                                                         .range = range,
+                                                         .observation_noise = 0.2})
+                                      .log);
+    EXPECT_GE(testing::pair_score(associate(log, AssociationOptions{}).value().sightings).precision, 0.99) << range;
   }
 }
 

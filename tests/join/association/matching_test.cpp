@@ -228,6 +228,27 @@ TEST(NeighbourDensityTest, KnowsASampleOfTheDistancesOfManySets) {
   }
 }
 
+TEST(NeighbourDensityTest, IsAsManyTimesHigherAsTheOverallOne) {
+  const std::vector<Points> sets = {kKnown};
+  const NeighbourDensity<2> seen(sets);
+  NeighbourDensity<2> around(sets);
+  around.set_overall(3.0 * seen.overall());
+  EXPECT_DOUBLE_EQ(around.overall(), 3.0 * seen.overall());
+  for (const double distance : {1.7, 3.0, 10.0}) {
+    EXPECT_NEAR(around.log_within(distance), seen.log_within(distance) + std::log(3.0), 1e-12) << distance;
+  }
+}
+
+TEST(NeighbourDensityTest, LearnsNoDistancesFromWhatIsSeenAlone) {
+  std::vector<Points> sets = {kKnown};
+  const NeighbourDensity<2> together(sets);
+  for (const auto& p : kKnown) sets.push_back({p});
+  const NeighbourDensity<2> and_alone(sets);
+  for (const double distance : {0.5, 1.7, 3.0}) {
+    EXPECT_DOUBLE_EQ(and_alone.log_within(distance), together.log_within(distance)) << distance;
+  }
+}
+
 TEST(NeighbourDensityTest, FallsWithTheVolumeHoweverLargeThatIs) {
   const std::vector<std::vector<Point<3>>> sets = {{Point<3>::Zero(), Point<3>::UnitX()}};
   const NeighbourDensity<3> density(sets);

@@ -54,9 +54,9 @@ TYPED_TEST(FeatureFilterTest, LearnsOfAllFeaturesByOne) {
   EXPECT_LT((filter.features()[1] - (1.1 * p + shift)).norm(), 1e-3);
 }
 
-/// The label of each observation in a log whose poses stand still. Observations have this standard deviation (m); odometry is
-/// some thirty times as certain.
-std::vector<std::size_t> labels_of(const std::vector<std::vector<Point<2>>>& scans, double deviation) {
+/// The tracks of a log whose poses stand still. Observations have this standard deviation (m); odometry is some thirty times as
+/// certain.
+Tracks<2> tracks_of(const std::vector<std::vector<Point<2>>>& scans, double deviation, const SightingChance& sees = {}) {
   LogBuilder<2> builder("standing");
   const double w = 1.0 / (deviation * deviation);
   std::uint64_t name = 0;
@@ -69,9 +69,14 @@ std::vector<std::size_t> labels_of(const std::vector<std::vector<Point<2>>>& sca
   const NeighbourDensity<2> density(scans);
   Matcher<2> matcher(density, AssociationMethod::kJcbb, 0.99, 10.0);
   Split parts = split(log, {SplitRule::kPoses, 100.0});
+  return track(segment_view(log, parts, parts.segments[0]), sees, matcher, 0.99);
+}
+
+/// The label of each observation of tracks_of().
+std::vector<std::size_t> labels_of(const std::vector<std::vector<Point<2>>>& scans, double deviation,
+                                   const SightingChance& sees = {}) {
   std::vector<std::size_t> labels;
-  for (const Tracked& tracked : track(segment_view(log, parts, parts.segments[0]), matcher, 0.99))
-    labels.push_back(tracked.feature);
+  for (const Tracked& tracked : tracks_of(scans, deviation, sees).observations) labels.push_back(tracked.feature);
   return labels;
 }
 
@@ -88,6 +93,25 @@ TEST(TrackTest, SetsAsideWhatCouldBeEitherAndGoesOnWithBoth) {
   // A tree between the first and the last could be either, and becomes a feature of its own, which misleads nothing after it.
   const auto labels = labels_of({trees, {{3.2, 0.0}}, {{3.0, 0.0}, {3.4, 0.0}}}, 0.07);
   EXPECT_EQ(labels, (std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 0, 4}));
+}
+
+TEST(TrackTest, TellsWhichFeaturesWereSeenAgainAndFromHowFar) {
+  const auto tracks = tracks_of({kTrees, {}, {{3.0, 0.02}}}, 0.05);
+  ASSERT_EQ(tracks.trials.size(), kTrees.size()) << "a pose that sees nothing tells nothing";
+  for (std::size_t k = 0; k < kTrees.size(); ++k) {
+    EXPECT_NEAR(tracks.trials[k].first, kTrees[k].norm(), 1e-9);
+    EXPECT_EQ(tracks.trials[k].second, k == 0);
+  }
+  ASSERT_EQ(tracks.followed.size(), 1u);
+  EXPECT_NEAR((tracks.followed[0] - Point<2>(3.0, 0.01)).norm(), 0.0, 1e-3);
+}
+
+TEST(TrackTest, TakesWhatWouldHardlyHaveBeenOverlookedForSeenAgain) {
+  const std::vector<std::vector<Point<2>>> scans = {kTrees, {{3.0, 0.21}, kTrees[1], kTrees[2]}};  // three standard deviations
+  EXPECT_EQ(labels_of(scans, 0.05)[kTrees.size()], kTrees.size()) << "set aside";
+  std::vector<SightingTrial> trials;
+  for (int k = 0; k < 4000; ++k) trials.emplace_back(0.005 * k, true);
+  EXPECT_EQ(labels_of(scans, 0.05, SightingChance(trials))[kTrees.size()], 0u);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/association/frames/sighting_chance.hpp>
+#include <cmath>
+#include <mapjoin/join/association/sighting_chance.hpp>
 
 namespace mapjoin {
 namespace {
@@ -10,7 +11,7 @@ constexpr std::size_t kRings = 20;
 
 }  // namespace
 
-SightingChance::SightingChance(std::vector<std::pair<double, bool>> trials) {
+SightingChance::SightingChance(std::vector<SightingTrial> trials) {
   std::ranges::sort(trials);
   std::size_t begin = 0;
   for (std::size_t ring = 0; ring < kRings; ++ring) {
@@ -27,6 +28,14 @@ SightingChance::SightingChance(std::vector<std::pair<double, bool>> trials) {
 double SightingChance::operator()(double distance) const {
   const auto ring = std::ranges::lower_bound(rings_, distance, {}, &Ring::end);
   return ring == rings_.end() ? 0.0 : ring->chance;
+}
+
+double SightingChance::log_overlooked(double distance, double error) const {
+  const auto nearest = std::ranges::lower_bound(rings_, distance - error, {}, &Ring::end);
+  const auto farthest = std::ranges::lower_bound(rings_, distance + error, {}, &Ring::end);
+  if (farthest == rings_.end()) return 0.0;
+  const auto least = std::ranges::min_element(nearest, farthest + 1, {}, &Ring::chance);
+  return std::log1p(-least->chance);
 }
 
 }  // namespace mapjoin
