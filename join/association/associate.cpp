@@ -3,8 +3,8 @@
 #include <cmath>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/identity_search.hpp>
-#include <mapjoin/join/association/log_tracking.hpp>
-#include <mapjoin/join/association/sighting_density.hpp>
+#include <mapjoin/join/association/tracking/log_tracking.hpp>
+#include <mapjoin/join/association/tracking/sighting_density.hpp>
 #include <mapjoin/model/information.hpp>
 #include <numeric>
 #include <utility>

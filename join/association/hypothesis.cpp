@@ -37,9 +37,9 @@ PointMatrix<Dim> PairingProblem<Dim>::covariance_of(const Pairing& one, const Pa
 
 template <int Dim>
 double PairingProblem<Dim>::log_overlooked(std::size_t known, double error) const {
-  if (distances.empty()) return 0.0;
+  if (!sees) return 0.0;
   double sum = 0.0;
-  for (const double distance : distances[known]) sum += sees.log_overlooked(distance, error);
+  for (const double distance : distances[known]) sum += sees->log_overlooked(distance, error);
   return sum;
 }
 

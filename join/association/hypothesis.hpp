@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
@@ -35,10 +36,10 @@ struct PairingProblem {
   std::vector<Point<Dim>> sightings;
   Eigen::MatrixXd covariance;                     ///< Joint covariance of all points, the known ones first (m²).
   std::vector<std::vector<std::size_t>> choices;  ///< Known features that a sighting may be of, by sighting.
-  SightingChance sees;                            ///< The chance that a pose sees a feature, by `distances`.
-  /// By known feature, its distances (m) from poses that saw one feature there: if the sighting is of another one, they
-  /// overlooked one of the two. Empty if they are not known.
-  std::vector<std::vector<double>> distances;
+  const SightingChance* sees = nullptr;           ///< The chance that a pose sees a feature; null if that is not known.
+  /// By known feature, its distances (m) from the pose that saw it last and from that of the sightings: if a sighting is of
+  /// another feature there, they overlooked one of the two. Empty without `sees`.
+  std::vector<std::array<double, 2>> distances;
   std::vector<Point<Dim>> surroundings;  ///< All features of the sightings' map, to find its shifts onto itself; else empty.
   double log_tests = 0.0;                ///< Logarithm of the number of such problems tried, if chance may solve one; else 0.
 

@@ -152,7 +152,7 @@ NeighbourDensity<Dim> density_of(const DrivenMap<Dim>& driven, double range) {
 
 /// The chance of a sighting for a sensor that sees all features within its range.
 inline SightingChance chance_of(double range) {
-  std::vector<std::pair<double, bool>> trials;
+  std::vector<SightingTrial> trials;
   for (int k = 0; k < 2000; ++k) trials.emplace_back(2.0 * range * k / 2000.0, k < 1000);
   return SightingChance(std::move(trials));
 }

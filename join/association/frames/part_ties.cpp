@@ -36,7 +36,7 @@ Expected<Part<Dim>> part_of(const FeatureEstimate<Dim>& estimate, std::uint32_t 
 template <int Dim>
 SightingChance sighting_chance(const FeatureEstimate<Dim>& estimate, const Identities& identities) {
   const Values<Dim>& state = estimate.covariances->state();
-  std::vector<std::pair<double, bool>> trials;
+  std::vector<SightingTrial> trials;
   double reach = 0.0;
   auto local_map = estimate.restored->graph.maps.begin();
   for (std::size_t m = 0; m < estimate.is_local_map.size(); ++m) {

@@ -8,7 +8,7 @@ namespace mapjoin {
 namespace {
 
 TEST(SightingChance, IsTheShareThatWasSeenFromSoFarAway) {
-  std::vector<std::pair<double, bool>> trials;
+  std::vector<SightingTrial> trials;
   for (int k = 0; k < 4000; ++k) trials.emplace_back(0.005 * k, k < 2000 || (k < 3000 && k % 4 == 0));
   const SightingChance chance(trials);
   EXPECT_NEAR(chance(3.0), 1.0, 0.01);

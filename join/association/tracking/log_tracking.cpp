@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/association/log_tracking.hpp>
-#include <mapjoin/join/association/sighting_density.hpp>
+#include <mapjoin/join/association/tracking/log_tracking.hpp>
+#include <mapjoin/join/association/tracking/sighting_density.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <optional>

@@ -4,7 +4,7 @@
 
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/neighbour_density.hpp>
-#include <mapjoin/join/association/tracking.hpp>
+#include <mapjoin/join/association/tracking/tracking.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/log.hpp>
 #include <stop_token>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
-#include <mapjoin/join/association/feature_filter.hpp>
+#include <mapjoin/join/association/tracking/feature_filter.hpp>
 #include <mapjoin/join/robust/support/odometry_chain.hpp>
 
 namespace mapjoin {

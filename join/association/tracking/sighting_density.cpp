@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/LU>
-#include <mapjoin/join/association/sighting_density.hpp>
+#include <mapjoin/join/association/tracking/sighting_density.hpp>
 #include <mapjoin/model/information.hpp>
 #include <utility>
 

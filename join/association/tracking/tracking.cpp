@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/association/feature_filter.hpp>
-#include <mapjoin/join/association/tracking.hpp>
+#include <mapjoin/join/association/tracking/feature_filter.hpp>
+#include <mapjoin/join/association/tracking/tracking.hpp>
 #include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <numeric>
 #include <span>
@@ -73,7 +73,7 @@ class Tracker {
     const Eigen::Index rows = known + static_cast<Eigen::Index>(scan.size()) * Dim;
     problem.covariance.setZero(rows, rows);
     problem.covariance.topLeftCorner(known, known) = filter_.covariance();
-    problem.sees = sees_;
+    problem.sees = &sees_;
     for (std::size_t k = 0; k < features_.size(); ++k) {
       problem.distances.push_back({features_[k].distance, problem.known[k].norm()});
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/association/feature_filter.hpp>
-#include <mapjoin/join/association/tracking.hpp>
+#include <mapjoin/join/association/tracking/feature_filter.hpp>
+#include <mapjoin/join/association/tracking/tracking.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
