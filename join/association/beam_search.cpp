@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <functional>
 #include <mapjoin/join/association/beam_search.hpp>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 
@@ -18,9 +20,15 @@ template <int Dim>
 struct Node {
   std::shared_ptr<const Node> before;  // null for the first pairing
   Pairing pairing;
-  PointMatrix<Dim> L;                      // with L Lᵀ the covariance of the difference, given the pairings before it
-  Point<Dim> whitened;                     // L⁻¹ times the difference, given these
-  std::vector<PointMatrix<Dim>> coupling;  // the blocks of the row of the Cholesky factor before L, transposed
+  Point<Dim> whitened;  // the difference, given the pairings before it, in standard deviations
+  /// Of all points with `whitened`, given the pairings before it (m); rows as in PairingProblem::covariance.
+  Eigen::Matrix<double, Eigen::Dynamic, Dim> cross_covariance;
+
+  /// The block of the Cholesky factor in the rows of another pairing and the columns of this one (m).
+  PointMatrix<Dim> coupling(const PairingProblem<Dim>& problem, const Pairing& other) const {
+    return cross_covariance.template middleRows<Dim>(problem.row_of_known(other.known)) -
+           cross_covariance.template middleRows<Dim>(problem.row_of_sighting(other.sighting));
+  }
 };
 
 /// A hypothesis as the node of its last pairing; null if it has none.
@@ -39,44 +47,44 @@ struct Branch {
   }
 };
 
+/// The branch with one pairing more. With d its difference, L Lᵀ the covariance of d given the pairings j before it, and wⱼ
+/// theirs, whitened, the cross-covariance of the points x is (Cov(x, d) − Σⱼ Cov(x, wⱼ) Cov(d, wⱼ)ᵀ) L⁻ᵀ.
+template <int Dim>
+Branch<Dim> extended(const Branch<Dim>& branch, const Extension<Dim>& by, const PairingProblem<Dim>& problem) {
+  Node<Dim> node{branch.last, by.pairing, by.whitened,
+                 problem.covariance.template middleCols<Dim>(problem.row_of_known(by.pairing.known)) -
+                     problem.covariance.template middleCols<Dim>(problem.row_of_sighting(by.pairing.sighting))};
+  for (const Node<Dim>* before = branch.last.get(); before; before = before->before.get()) {
+    node.cross_covariance.noalias() -= before->cross_covariance * before->coupling(problem, by.pairing).transpose();
+  }
+  const PointMatrix<Dim> L = by.covariance.llt().matrixL();
+  L.transpose().template triangularView<Eigen::Upper>().template solveInPlace<Eigen::OnTheRight>(node.cross_covariance);
+  return {std::make_shared<const Node<Dim>>(std::move(node)), branch.score + by.gain,
+          branch.squared_distance + by.squared_distance(), branch.rows + Dim};
+}
+
 /// The nodes of some branches, each after those before it.
 template <int Dim>
 class BranchTree {
  public:
-  /// Refers to `branches`.
-  explicit BranchTree(const std::vector<Branch<Dim>>& branches) : branches_(branches) {
+  explicit BranchTree(const std::vector<Branch<Dim>>& branches) {
     for (const Branch<Dim>& branch : branches) last_.push_back(add(branch.last.get()));
   }
 
   /// What each branch leaves of a pairing, by branch, computed once for the nodes that branches share.
-  std::vector<Remainder<Dim>> remainders(const PairingProblem<Dim>& problem, const Pairing& pairing) {
+  std::vector<Remainder<Dim>> remainders(const PairingProblem<Dim>& problem, const Pairing& pairing) const {
     const Remainder<Dim> whole{problem.difference(pairing), problem.covariance_of(pairing, pairing)};
-    for (Place& place : places_) {
-      const Node<Dim>& node = *place.node;
-      PointMatrix<Dim> covariance = problem.covariance_of(node.pairing, pairing);
-      std::size_t at = place.before;
-      for (auto block = node.coupling.rbegin(); block != node.coupling.rend(); ++block, at = places_[at].before) {
-        covariance.noalias() -= block->transpose() * places_[at].coupling;
-      }
-      place.coupling = node.L.template triangularView<Eigen::Lower>().solve(covariance);
-      place.left = place.before == kNone ? whole : places_[place.before].left;
-      place.left.covariance.noalias() -= place.coupling.transpose() * place.coupling;
-      place.left.difference.noalias() -= place.coupling.transpose() * node.whitened;
+    std::vector<Remainder<Dim>> left;  // by place
+    for (const Place& place : places_) {
+      const PointMatrix<Dim> coupling = place.node->coupling(problem, pairing);
+      Remainder<Dim> remainder = place.before == kNone ? whole : left[place.before];
+      remainder.covariance.noalias() -= coupling * coupling.transpose();
+      remainder.difference.noalias() -= coupling * place.node->whitened;
+      left.push_back(remainder);
     }
-    std::vector<Remainder<Dim>> left;
-    for (const std::size_t last : last_) left.push_back(last == kNone ? whole : places_[last].left);
-    return left;
-  }
-
-  /// The branch of this number extended by the pairing of the last call of remainders().
-  Branch<Dim> extended(std::size_t number, const Extension<Dim>& by) const {
-    const Branch<Dim>& branch = branches_[number];
-    std::vector<PointMatrix<Dim>> coupling;
-    for (std::size_t at = last_[number]; at != kNone; at = places_[at].before) coupling.push_back(places_[at].coupling);
-    std::ranges::reverse(coupling);
-    auto node = std::make_shared<const Node<Dim>>(
-        Node<Dim>{branch.last, by.pairing, by.covariance.llt().matrixL(), by.whitened, std::move(coupling)});
-    return {std::move(node), branch.score + by.gain, branch.squared_distance + by.squared_distance(), branch.rows + Dim};
+    std::vector<Remainder<Dim>> of_branches;
+    for (const std::size_t last : last_) of_branches.push_back(last == kNone ? whole : left[last]);
+    return of_branches;
   }
 
  private:
@@ -84,9 +92,7 @@ class BranchTree {
   /// A node in the list of all, which comes after those before it.
   struct Place {
     const Node<Dim>* node;
-    std::size_t before;                                    // the place of the node before it; kNone if there is none
-    PointMatrix<Dim> coupling = PointMatrix<Dim>::Zero();  // of the pairing in question
-    Remainder<Dim> left = {};                              // of it, given the node and those before it
+    std::size_t before;  // the place of the node before it; kNone if there is none
   };
 
   /// Adds a node and those before it that are not there yet; returns its place.
@@ -101,10 +107,18 @@ class BranchTree {
     return before;
   }
 
-  const std::vector<Branch<Dim>>& branches_;
   std::vector<Place> places_;
   std::unordered_map<const Node<Dim>*, std::size_t> place_of_;
   std::vector<std::size_t> last_;  // by branch
+};
+
+/// A branch as it is, or with one pairing more.
+template <int Dim>
+struct Step {
+  const Branch<Dim>* branch;
+  std::optional<Extension<Dim>> by = {};
+
+  double score() const { return branch->score + (by ? by->gain : 0.0); }
 };
 
 /// The branches as they are and with each pairing of a sighting that can be added; the best ones, the best first.
@@ -112,8 +126,9 @@ template <int Dim>
 std::vector<Branch<Dim>> followed(const std::vector<Branch<Dim>>& branches, std::size_t sighting,
                                   const PairingProblem<Dim>& problem, const std::vector<std::size_t>& forbidden,
                                   const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) {
-  BranchTree<Dim> tree(branches);
-  std::vector<Branch<Dim>> next = branches;
+  const BranchTree<Dim> tree(branches);
+  std::vector<Step<Dim>> steps;
+  for (const Branch<Dim>& branch : branches) steps.push_back({&branch});
   for (const std::size_t known : problem.choices[sighting]) {
     if (std::ranges::find(forbidden, known) != forbidden.end()) continue;
     const Pairing pairing{known, sighting};
@@ -121,12 +136,14 @@ std::vector<Branch<Dim>> followed(const std::vector<Branch<Dim>>& branches, std:
     for (std::size_t k = 0; k < branches.size(); ++k) {
       const Branch<Dim>& branch = branches[k];
       if (branch.takes(known)) continue;
-      const auto extension = extension_by<Dim>(pairing, left[k], branch.rows, branch.squared_distance, density, gates);
-      if (extension) next.push_back(tree.extended(k, *extension));
+      auto extension = extension_by<Dim>(pairing, left[k], branch.rows, branch.squared_distance, density, gates);
+      if (extension) steps.push_back({&branch, std::move(extension)});
     }
   }
-  std::ranges::stable_sort(next, std::greater<>(), &Branch<Dim>::score);
-  next.resize(std::min(kMostBranches, next.size()));
+  std::ranges::stable_sort(steps, std::greater<>(), &Step<Dim>::score);
+  steps.resize(std::min(kMostBranches, steps.size()));
+  std::vector<Branch<Dim>> next;
+  for (const Step<Dim>& step : steps) next.push_back(step.by ? extended(*step.branch, *step.by, problem) : *step.branch);
   return next;
 }
 

@@ -26,12 +26,11 @@ double log_determinant(const Eigen::LLT<PointMatrix<Dim>>& factor) {
 
 template <int Dim>
 PointMatrix<Dim> PairingProblem<Dim>::covariance_of(const Pairing& one, const Pairing& other) const {
-  const auto row = [](std::size_t point) { return static_cast<Eigen::Index>(point) * Dim; };
-  const auto block = [&](std::size_t i, std::size_t j) { return covariance.template block<Dim, Dim>(row(i), row(j)); };
-  const std::size_t a = one.known;
-  const std::size_t b = known.size() + one.sighting;
-  const std::size_t c = other.known;
-  const std::size_t d = known.size() + other.sighting;
+  const auto block = [&](Eigen::Index row, Eigen::Index column) { return covariance.template block<Dim, Dim>(row, column); };
+  const Eigen::Index a = row_of_known(one.known);
+  const Eigen::Index b = row_of_sighting(one.sighting);
+  const Eigen::Index c = row_of_known(other.known);
+  const Eigen::Index d = row_of_sighting(other.sighting);
   return block(a, c) - block(a, d) - block(b, c) + block(b, d);
 }
 

@@ -46,6 +46,9 @@ struct PairingProblem {
   /// known - sighting (m), which should be zero; covariance_of() is its covariance with that of another pairing (m²).
   Point<Dim> difference(const Pairing& pairing) const { return known[pairing.known] - sightings[pairing.sighting]; }
   PointMatrix<Dim> covariance_of(const Pairing& one, const Pairing& other) const;
+  /// The first row of a point in `covariance`.
+  Eigen::Index row_of_known(std::size_t point) const { return static_cast<Eigen::Index>(point) * Dim; }
+  Eigen::Index row_of_sighting(std::size_t point) const { return row_of_known(known.size() + point); }
   /// The logarithm of the chance that a feature was overlooked from all distances of a known one, each known to ± `error` (m).
   double log_overlooked(std::size_t known, double error) const;
 };

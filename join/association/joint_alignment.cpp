@@ -227,17 +227,12 @@ double JointAlignment<Dim>::share_of(const AlignedPair& placed) const {
   return with / all;
 }
 
-/// The share of the branches that is to agree on where a pair of maps lies, so that with the confidence all pairs lie where
-/// they are taken to lie: one in the wrong place bends the map.
-template <int Dim>
-double JointAlignment<Dim>::needed_share() const {
-  return 1.0 - (1.0 - confidence_) / static_cast<double>(identities_.map_count());
-}
-
-/// True if that share of the branches agrees with the best one on each pair of maps.
+/// True if the share of the branches that agree with the best one on each pair of maps reaches placement_confidence().
 template <int Dim>
 bool JointAlignment<Dim>::is_sure() const {
-  return std::ranges::all_of(branches_.front().placed(), [&](const AlignedPair& p) { return share_of(p) >= needed_share(); });
+  return std::ranges::all_of(branches_.front().placed(), [&](const AlignedPair& p) {
+    return share_of(p) >= placement_confidence(confidence_, identities_);
+  });
 }
 
 template <int Dim>
@@ -250,9 +245,10 @@ std::vector<Proposal> JointAlignment<Dim>::propose(const std::stop_token& stop) 
   std::vector<Proposal> proposals;
   for (const AlignedPair& placed : branches_.front().placed()) {
     const double share = share_of(placed);
-    if (share < needed_share()) continue;
+    if (share < placement_confidence(confidence_, identities_)) continue;
     for (std::size_t k = 0; k < placed.features.size(); ++k) {
       Match match = placed.matches[k];
+      match.placement_probability = share;
       match.probability *= share * probability_of(match.score - log_tests());
       const auto& [one, other] = placed.features[k];
       const MapPair<Dim>& pair = pairs_[placed.pair];

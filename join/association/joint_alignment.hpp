@@ -44,7 +44,6 @@ class JointAlignment {
   PairingProblem<Dim> problem(const Branch& branch, const Features& features) const;
   std::vector<Branch> placed(const Branch& branch, std::size_t pair, const Features& features) const;
   void prune(std::vector<Branch> branches);
-  double needed_share() const;
   bool is_sure() const;
   double share_of(const AlignedPair& placed) const;
   Matcher<Dim> matcher() const;

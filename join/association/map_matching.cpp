@@ -32,8 +32,8 @@ bool MapMatching<Dim>::is_in(FeatureIndex feature, std::size_t map) const {
   return std::ranges::binary_search(identities_.features_in(map), feature);
 }
 
-/// The features seen by `map` or before it that could be the same as `feature`: the covariance of a difference is at most twice
-/// the sum of those of its terms.
+/// The features seen by `map` or before it that could be the same as `feature`, ascending. The covariance of a difference is at
+/// most twice the sum of those of its terms.
 template <int Dim>
 std::vector<FeatureIndex> MapMatching<Dim>::near(FeatureIndex feature, std::size_t map, bool only_neighbours) const {
   std::vector<FeatureIndex> found;
@@ -50,6 +50,7 @@ std::vector<FeatureIndex> MapMatching<Dim>::near(FeatureIndex feature, std::size
     if (!std::ranges::any_of(identities_.sightings_of(other), sees)) continue;
     if (identities_.may_be_same(feature, other)) found.push_back(other);
   }
+  std::ranges::sort(found);
   return found;
 }
 
@@ -113,20 +114,19 @@ PairingProblem<Dim> MapMatching<Dim>::problem(const std::vector<FeatureIndex>& k
                                               std::size_t known_map) const {
   PairingProblem<Dim> problem;
   for (const FeatureIndex f : known) problem.known.push_back(position(f));
-  const auto first = static_cast<Eigen::Index>(known.size()) * Dim;
-  const Eigen::Index rows = first + static_cast<Eigen::Index>(open_places.size()) * Dim;
+  const Eigen::Index first = problem.row_of_sighting(0);
+  const Eigen::Index rows = problem.row_of_sighting(open_places.size());
   problem.covariance.resize(rows, rows);
   problem.covariance.topLeftCorner(first, first) = joint(known, known_map);
   for (std::size_t s = 0; s < open_places.size(); ++s) {
     const std::size_t place = open_places[s];
     problem.sightings.push_back(position(open.features[place]));
-    const Eigen::Index column = first + static_cast<Eigen::Index>(s) * Dim;
+    const Eigen::Index column = problem.row_of_sighting(s);
     for (std::size_t k = 0; k < known.size(); ++k) {
-      problem.covariance.template block<Dim, Dim>(static_cast<Eigen::Index>(k) * Dim, column) =
-          open.covariance(known[k], place);
+      problem.covariance.template block<Dim, Dim>(problem.row_of_known(k), column) = open.covariance(known[k], place);
     }
     for (std::size_t k = 0; k < open_places.size(); ++k) {
-      problem.covariance.template block<Dim, Dim>(first + static_cast<Eigen::Index>(k) * Dim, column) =
+      problem.covariance.template block<Dim, Dim>(problem.row_of_sighting(k), column) =
           open.covariance(open.features[open_places[k]], place);
     }
     auto& choices = problem.choices.emplace_back();
@@ -168,6 +168,7 @@ Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, cons
   Proposals proposals;
   for (std::size_t s = 0; s < places.size(); ++s) {
     if (!matches[s].known || matches[s].probability < confidence_) continue;
+    if (matches[s].placement_probability < placement_confidence(confidence_, identities_)) continue;
     const FeatureIndex feature = open.features[places[s]];
     proposals.probable.push_back({features[*matches[s].known], feature, matches[s], {earlier, later}});
   }

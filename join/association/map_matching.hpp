@@ -40,6 +40,12 @@ struct MapPair {
   PointMatrix<Dim> covariance;   ///< Covariance of the difference of the features (m²).
 };
 
+/// The probability asked of the place of a map beside another one, so that with the confidence all maps are in their places:
+/// one that is not bends the joined map.
+inline double placement_confidence(double confidence, const Identities& identities) {
+  return 1.0 - (1.0 - confidence) / static_cast<double>(identities.map_count());
+}
+
 /// Matches pairs of maps with each other, by the joint covariance of their features in the joined map.
 template <int Dim>
 class MapMatching {

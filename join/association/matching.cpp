@@ -91,7 +91,7 @@ std::vector<Match> Matcher<Dim>::matches(const PairingProblem<Dim>& problem, con
   for (const Pairing& pairing : placement.pairings()) {
     const auto given_others = placement.given_others(matches.size(), density_, gates_);
     matches.push_back({pairing.known, given_others ? probability_of(given_others->gain) : 0.0,
-                       squared_distance(problem, pairing), problem.choices[pairing.sighting].size(), placement.score()});
+                       squared_distance(problem, pairing), problem.choices[pairing.sighting].size(), placement.score(), 1.0});
   }
   return matches;
 }
@@ -160,7 +160,8 @@ void Matcher<Dim>::match_jointly(const PairingProblem<Dim>& problem, const std::
     match.known = pairing.known;
     match.score = best.score();
     const double not_new = given_others[k] ? probability_of(given_others[k]->gain) : 0.0;
-    match.probability = not_by_chance * not_new / (1.0 + others);
+    match.placement_probability = 1.0 / (1.0 + others);
+    match.probability = match.placement_probability * not_by_chance * not_new;
   }
 }
 
@@ -177,7 +178,7 @@ void Matcher<Dim>::match_nearest(const PairingProblem<Dim>& problem, std::vector
     if (is_taken[pairing.known] || matches[pairing.sighting].known) continue;
     is_taken[pairing.known] = true;
     matches[pairing.sighting].known = pairing.known;
-    matches[pairing.sighting].probability = 1.0;
+    matches[pairing.sighting].probability = matches[pairing.sighting].placement_probability = 1.0;
   }
 }
 

@@ -27,6 +27,9 @@ struct Match {
   double squared_distance = 0.0;     ///< Squared Mahalanobis distance of the sighting alone.
   std::size_t candidates = 0;        ///< Number of known features within its gate.
   double score = 0.0;                ///< Score of the whole hypothesis (see Hypothesis).
+  /// Probability of the hypothesis against the placements that contradict this match; a factor of `probability`. 1 with
+  /// kNearest.
+  double placement_probability = 0.0;
 };
 
 /// Solves matching problems. All true pairings among `decisions` are within the gates with probability `confidence`; with
@@ -49,7 +52,8 @@ class Matcher {
   /// The placements to compare, the best first. Removes choices that are outside of the gates by themselves from the problem,
   /// which must outlive the placements.
   std::vector<Hypothesis<Dim>> placements(PairingProblem<Dim>& problem);
-  /// The match of each pairing of a placement, with its probability, given the others, against a feature not known yet.
+  /// The match of each pairing of a placement that is taken to be right: its probability, given the others, against a feature
+  /// not known yet.
   std::vector<Match> matches(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement);
 
   double gate() { return gates_(Dim); }

@@ -52,9 +52,10 @@ std::vector<std::size_t> PointTree<Dim>::within(const Point<Dim>& centre, double
   std::vector<std::size_t> places;
   if (!tree_) return places;
   std::vector<std::pair<Eigen::Index, double>> found;
-  tree_->adaptor.index->radiusSearch(centre.data(), distance * distance, found, nanoflann::SearchParams());
+  nanoflann::SearchParams in_any_order;
+  in_any_order.sorted = false;
+  tree_->adaptor.index->radiusSearch(centre.data(), distance * distance, found, in_any_order);
   for (const auto& near : found) places.push_back(static_cast<std::size_t>(near.first));
-  std::ranges::sort(places);
   return places;
 }
 

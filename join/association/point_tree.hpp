@@ -17,7 +17,7 @@ class PointTree {
   explicit PointTree(std::span<const Point<Dim>> points);
   ~PointTree();
 
-  /// The places of all points within a distance, ascending.
+  /// The places of all points within a distance, as they are found.
   std::vector<std::size_t> within(const Point<Dim>& centre, double distance) const;
   /// The places of some points within a distance, as they are found; at most `most`.
   std::vector<std::size_t> some_within(const Point<Dim>& centre, double distance, std::size_t most) const;

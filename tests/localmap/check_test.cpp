@@ -78,7 +78,7 @@ TYPED_TEST(CheckTest, WantsSegmentsOfPosesOfTheLog) {
 TYPED_TEST(CheckTest, WantsEveryPoseKeptThatOthersReferTo) {
   const Split right = split_along(this->log, this->segments);
   ASSERT_TRUE(check_split(this->log, right));
-  for (const std::size_t size : {0, 5}) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{5}}) {
     Split cut = right;
     cut.kept.resize(size);
     const auto checked = check_split(this->log, cut);

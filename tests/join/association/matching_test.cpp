@@ -115,7 +115,10 @@ TEST(MatcherTest, KnowsALargePlantation) {
   const Points corner = {grid[0], grid[1], grid[20]};
   auto problem = problem_of(corner, corner, 0.05, 2.0);
   problem.surroundings = grid;
-  for (const Match& match : matches_of(problem)) EXPECT_LT(match.probability, 0.8);
+  for (const Match& match : matches_of(problem)) {
+    EXPECT_LT(match.placement_probability, 0.8);
+    EXPECT_LE(match.probability, match.placement_probability);
+  }
 }
 
 TEST(MatcherTest, IsSureOfAPlaceInAPlantationWhoseTreesStandOffTheirRows) {

@@ -45,7 +45,7 @@ TYPED_TEST(PointTreeTest, FindsAllWithinADistance) {
     if (this->distance(place) < 4.0) expected.push_back(place);
   }
   ASSERT_GT(expected.size(), 5U);
-  EXPECT_EQ(this->tree_.within(this->centre_, 4.0), expected);
+  EXPECT_THAT(this->tree_.within(this->centre_, 4.0), ::testing::UnorderedElementsAreArray(expected));
 }
 
 TYPED_TEST(PointTreeTest, FindsSomeWithinADistance) {
