@@ -7,6 +7,7 @@
 #include <boost/graph/kruskal_min_spanning_tree.hpp>
 #include <iterator>
 #include <mapjoin/graph/graph.hpp>
+#include <mapjoin/model/lists.hpp>
 
 namespace mapjoin {
 namespace {
@@ -87,8 +88,7 @@ std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edg
 std::vector<Vertex> largest_clique(const std::vector<Edge>& edges) {
   std::vector<Vertex> vertices;
   for (const auto& [a, b] : edges) vertices.insert(vertices.end(), {a, b});
-  std::ranges::sort(vertices);
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  make_distinct(vertices);
   const auto place_of = [&](Vertex v) {
     return static_cast<std::size_t>(std::ranges::lower_bound(vertices, v) - vertices.begin());
   };

@@ -28,12 +28,6 @@ double spread(const std::vector<Point<Dim>>& points) {
   return sum / static_cast<double>(points.size()) / Dim;
 }
 
-/// The row of a point in a covariance of points.
-template <int Dim>
-Eigen::Index row(std::size_t point) {
-  return static_cast<Eigen::Index>(point) * Dim;
-}
-
 /// The pairings by their indices in `known` and `sightings`; those not in both are left out.
 std::vector<Pairing> within(const std::vector<Pairing>& pairs, const std::vector<std::size_t>& known,
                             const std::vector<std::size_t>& sightings) {
@@ -107,12 +101,12 @@ PairingProblem<Dim> AlignmentCandidates<Dim>::problem(const Features& features, 
   PairingProblem<Dim> problem;
   for (const std::size_t k : known) problem.known.push_back(first_.features[k]);
   for (const std::size_t s : sightings) problem.sightings.push_back(transform(pose, second_.features[s]));
-  const Eigen::Index begin = row<Dim>(known.size());
-  const Eigen::Index end = begin + row<Dim>(sightings.size());
+  const Eigen::Index end = problem.row_of_sighting(sightings.size());
   problem.covariance.setZero(end, end);
   for (std::size_t i = 0; i < known.size(); ++i) {
     for (std::size_t k = 0; k < known.size(); ++k) {
-      problem.covariance.template block<Dim, Dim>(row<Dim>(i), row<Dim>(k)) = first_.covariance_of(known[i], known[k]);
+      problem.covariance.template block<Dim, Dim>(problem.row_of_known(i), problem.row_of_known(k)) =
+          first_.covariance_of(known[i], known[k]);
     }
   }
   const PointMatrix<Dim> R = pose.rotation.matrix();
@@ -122,7 +116,7 @@ PairingProblem<Dim> AlignmentCandidates<Dim>::problem(const Features& features, 
     const auto J_i = J_turned_rotation(Point<Dim>(problem.sightings[i] - centre));
     for (std::size_t k = 0; k < sightings.size(); ++k) {
       const auto J_k = J_turned_rotation(Point<Dim>(problem.sightings[k] - centre));
-      problem.covariance.template block<Dim, Dim>(begin + row<Dim>(i), begin + row<Dim>(k)) =
+      problem.covariance.template block<Dim, Dim>(problem.row_of_sighting(i), problem.row_of_sighting(k)) =
           R * second_.covariance_of(sightings[i], sightings[k]) * R.transpose() +
           offset_variance_ * PointMatrix<Dim>::Identity() + kTurnVariance * J_i * J_k.transpose();
     }

@@ -70,7 +70,7 @@ class Tracker {
     PairingProblem<Dim> problem;
     problem.known = filter_.features();
     const Eigen::Index known = filter_.covariance().rows();
-    const Eigen::Index rows = known + static_cast<Eigen::Index>(scan.size()) * Dim;
+    const Eigen::Index rows = problem.row_of_sighting(scan.size());
     problem.covariance.setZero(rows, rows);
     problem.covariance.topLeftCorner(known, known) = filter_.covariance();
     problem.sees = &sees_;
@@ -82,7 +82,7 @@ class Tracker {
     problem.choices.assign(scan.size(), all);
     for (std::size_t s = 0; s < scan.size(); ++s) {
       problem.sightings.push_back(scan[s].measured);
-      const Eigen::Index row = known + static_cast<Eigen::Index>(s) * Dim;
+      const Eigen::Index row = problem.row_of_sighting(s);
       problem.covariance.template block<Dim, Dim>(row, row) = covariance_of(scan[s].information);
     }
     return problem;
