@@ -2,31 +2,48 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <mapjoin/check/ties.hpp>
 #include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/robust/selection.hpp>
+#include <mapjoin/model/information.hpp>
 #include <set>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
-constexpr Vertex kWorldVertex = 0;
-
-Vertex vertex(PoseIndex pose) {
-  return pose == kWorld ? kWorldVertex : static_cast<Vertex>(1 + pose.value);
-}
-
-/// The edges between poses and features of a log besides closures; the vertices are the World, then poses, then features.
-template <int Dim>
-std::vector<Edge> ties_without_closures(const Log<Dim>& log) {
+/// The edges between poses and features of a log: first all but closures, then these in the order given, then the odometry that
+/// leaves a direction free, which ties nothing that a closure can tie. The vertices are TieVertices.
+struct OrderedTies {
   std::vector<Edge> edges;
-  for (const auto& o : log.odometry()) edges.emplace_back(vertex(o.base), vertex(o.target));
-  for (const auto& o : log.pose_priors()) edges.emplace_back(vertex(o.base), vertex(o.target));
-  for (const auto& o : log.graph.feature_factors) {
-    edges.emplace_back(vertex(o.base), static_cast<Vertex>(1 + log.poses.size()) + static_cast<Vertex>(o.target.value));
+  std::size_t first_closure = 0;
+  std::size_t first_weak = 0;
+
+  bool is_closure(std::size_t edge) const { return first_closure <= edge && edge < first_weak; }
+};
+template <int Dim>
+OrderedTies ordered_ties(const Log<Dim>& log, const std::vector<std::size_t>& closures) {
+  const TieVertices of = vertices_of(log);
+  OrderedTies ties;
+  const auto tie = [&](std::size_t a, std::size_t b) {
+    ties.edges.emplace_back(static_cast<Vertex>(a), static_cast<Vertex>(b));
+  };
+  std::vector<const PoseFactor<Dim>*> weak;
+  for (const auto& o : log.odometry()) {
+    if (information_rank(o.information) == kPoseDof<Dim>) {
+      tie(of.pose(o.base), of.pose(o.target));
+    } else {
+      weak.push_back(&o);
+    }
   }
-  for (const auto& fixed : log.graph.fixed) edges.emplace_back(kWorldVertex, vertex(fixed.pose));
-  return edges;
+  for (const auto& o : log.pose_priors()) tie(of.pose(o.base), of.pose(o.target));
+  for (const auto& o : log.graph.feature_factors) tie(of.pose(o.base), of.feature(o.target));
+  for (const auto& fixed : log.graph.fixed) tie(TieVertices::kWorldVertex, of.pose(fixed.pose));
+  ties.first_closure = ties.edges.size();
+  for (const std::size_t k : closures) tie(of.pose(log.closures()[k].base), of.pose(log.closures()[k].target));
+  ties.first_weak = ties.edges.size();
+  for (const auto* o : weak) tie(of.pose(o->base), of.pose(o->target));
+  return ties;
 }
 
 /// The sessions that a closure connects.
@@ -61,14 +78,12 @@ std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<do
   for (std::size_t k = 0; k < closures.size(); ++k) closures[k] = k;
   std::ranges::stable_sort(closures, std::greater<>(),
                            [&](std::size_t k) { return std::pair<bool, double>(is_chosen[k], odds[k]); });
-  std::vector<Edge> edges = ties_without_closures(log);
-  const std::size_t first = edges.size();
-  for (const std::size_t k : closures) edges.emplace_back(vertex(log.closures()[k].base), vertex(log.closures()[k].target));
-  const std::size_t vertices = 1 + log.poses.size() + log.features.size();
+  const OrderedTies ties = ordered_ties(log, closures);
   std::set<Sessions> met;  // sessions connected only by robots that see each other
-  for (const Reached& reached : spanning_forest(vertices, edges, {vertex(0), kWorldVertex})) {
-    if (!reached.edge || *reached.edge < first) continue;
-    const std::size_t k = closures[*reached.edge - first];
+  const auto first_pose = static_cast<Vertex>(vertices_of(log).pose(0));
+  for (const Reached& reached : spanning_forest(vertices_of(log).size(), ties.edges, {first_pose, TieVertices::kWorldVertex})) {
+    if (!reached.edge || !ties.is_closure(*reached.edge)) continue;
+    const std::size_t k = closures[*reached.edge - ties.first_closure];
     if (is_chosen[k]) continue;
     is_chosen[k] = true;
     if (!measures_rotation(log.closures()[k])) met.insert(sessions_of(log, log.closures()[k]));

@@ -14,8 +14,9 @@ template <int Dim>
 Log<Dim> selected(const Log<Dim>& log, const std::vector<std::size_t>& closures, const std::vector<bool>& observations);
 
 /// The chosen closures, ascending, and, if these leave the log in parts, those of the others with the largest odds that connect
-/// them. Observations and priors connect, too. One robot that sees another does not measure its rotation: if nothing else
-/// connects two sessions, all such closures between them are taken.
+/// them. Observations and priors connect, too; odometry that leaves a direction free does only where no closure can. One robot
+/// that sees another does not measure its rotation: if nothing else connects two sessions, all such closures between them are
+/// taken.
 template <int Dim>
 std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<double>& odds, std::vector<bool> is_chosen);
 

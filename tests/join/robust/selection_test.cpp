@@ -73,6 +73,16 @@ TYPED_TEST(SelectionTest, TakesNoneWhereAFeatureOrTheWorldTiesThemTogether) {
   EXPECT_EQ(this->tied(by_prior, {false, false, false}), Chosen{});
 }
 
+TYPED_TEST(SelectionTest, TakesAClosureAcrossAStepThatLeavesADirectionFree) {
+  Log<TypeParam::value> log = this->drives();
+  log.graph.pose_factors[5].information.row(1).setZero();
+  log.graph.pose_factors[5].information.col(1).setZero();
+  EXPECT_EQ(this->tied(log, {false, false, false}), (Chosen{0, 1}));
+  EXPECT_EQ(this->tied(log, {true, false, false}), (Chosen{0, 1}));
+  std::swap(log.graph.pose_factors[5].information, log.graph.pose_factors[25].information);  // no closure crosses this one
+  EXPECT_EQ(this->tied(log, {false, false, false}), Chosen{1});
+}
+
 TYPED_TEST(SelectionTest, KeepsOfEachFeatureTheObservationThatTheLeastIsAgainst) {
   constexpr int kDim = TypeParam::value;
   Log<kDim> log = this->drives();
