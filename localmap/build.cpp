@@ -9,11 +9,11 @@
 namespace mapjoin {
 
 template <int Dim>
-BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOptions& solver) {
+BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOptions& solver, const std::stop_token& stop) {
   SegmentFreedom freedom;
   freedom.features.assign(view.features.size(), true);
   SegmentProblem<Dim> problem(view, freedom, composed_start(view));
-  const MinimiseResult result = minimise(problem, solver);
+  const MinimiseResult result = minimise(problem, solver, stop);
   BuiltMap<Dim> built;
   built.iterations = result.iterations;
   const bool is_usable = result.status == MinimiseStatus::kConverged || result.status == MinimiseStatus::kMaxIterations;
@@ -46,7 +46,7 @@ Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, con
   std::size_t done = 0;
   parallel_for(built.size(), [&](std::size_t k) {
     if (!split.segments[k].is_map || stop.stop_requested()) return;
-    built[k] = build_local_map(segment_view(log, split, split.segments[k]), options.solver);
+    built[k] = build_local_map(segment_view(log, split, split.segments[k]), options.solver, stop);
     if (!options.progress) return;
     const std::lock_guard lock(progress_mutex);
     options.progress(++done, to_do);
@@ -66,8 +66,8 @@ Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, con
   return result;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                           \
-  template BuiltMap<Dim> build_local_map(const SegmentView<Dim>&, const MinimiseOptions&); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                   \
+  template BuiltMap<Dim> build_local_map(const SegmentView<Dim>&, const MinimiseOptions&, const std::stop_token&); \
   template Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>&, Split&, const BuildOptions&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

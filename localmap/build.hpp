@@ -25,14 +25,14 @@ struct BuildOptions {
 template <int Dim>
 struct BuiltMap {
   /// nullopt if the segment's own observations do not determine all its poses and features, or its solve makes no progress
-  /// (chi2 is not finite, say): the segment then stays raw.
+  /// (chi2 is not finite, say): the segment then stays raw. Nor is there one if a stop ended the solve.
   std::optional<LocalMap<Dim>> map;
   int iterations = 0;
 };
 
 /// The local map of one segment (paper's VI.A), solved from a start by odometry and first observations.
 template <int Dim>
-BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOptions& solver);
+BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOptions& solver, const std::stop_token& stop = {});
 
 template <int Dim>
 struct LocalMaps {

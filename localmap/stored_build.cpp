@@ -20,7 +20,7 @@ Expected<std::int64_t> build_some(StoreWriter<Dim>& store, const Log<Dim>& log, 
   std::vector<BuiltMap<Dim>> built(segments.size());
   parallel_for(built.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
-    built[i] = build_local_map(segment_view(log, parts, parts.segments[segments[i]]), solver);
+    built[i] = build_local_map(segment_view(log, parts, parts.segments[segments[i]]), solver, stop);
   });
   if (stop.stop_requested()) return interrupted();
   std::int64_t iterations = 0;

@@ -128,6 +128,16 @@ TYPED_TEST(BuildTest, ASplitOfAnotherLogIsBadInput) {
   }
 }
 
+TYPED_TEST(BuildTest, TheSolveOfAMapEndsOnceAStopIsRequested) {
+  constexpr int kDim = TestFixture::kDim;
+  std::stop_source stop;
+  stop.request_stop();
+  const SegmentView<kDim> view = segment_view(this->world.log, this->parts, this->parts.segments.front());
+  const BuiltMap<kDim> built = build_local_map(view, {}, stop.get_token());
+  EXPECT_FALSE(built.map);
+  EXPECT_EQ(built.iterations, 0);
+}
+
 TYPED_TEST(BuildTest, StopsWhereAskedTo) {
   constexpr int kDim = TestFixture::kDim;
   std::stop_source stop;
