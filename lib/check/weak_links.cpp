@@ -94,15 +94,12 @@ WeakLinks weak_links(const LogOrSet& tied) {
   const Graph graph = make_graph(vertices.size(), edges);
   const std::vector<std::size_t> degree = core_degrees(graph);
   const std::vector<std::size_t> component = edge_components(graph, edges.size());
-  std::vector<std::size_t> size(edges.size());
-  for (const std::size_t c : component) ++size[c];
+  const std::vector<bool> is_bridge = bridges_of(vertices.size(), ties);
 
   std::vector<Edge> bridges;
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    const auto [a, b] = edges[e];
-    if (size[component[e]] > 1 || vertices.is_feature(b) || degree[a] == 0 || degree[b] == 0) continue;
-    const auto [first, last] = std::equal_range(ties.begin(), ties.end(), edges[e]);
-    if (last - first == 1) bridges.push_back(edges[e]);
+  for (std::size_t t = 0; t < ties.size(); ++t) {
+    const auto [a, b] = ties[t];
+    if (is_bridge[t] && !vertices.is_feature(b) && degree[a] != 0 && degree[b] != 0) bridges.push_back(ties[t]);
   }
   return {chains_of(bridges, degree), cut_features(edges, component, degree, vertices)};
 }

@@ -4,6 +4,7 @@
 #include <boost/graph/breadth_first_search.hpp>
 #include <boost/graph/bron_kerbosch_all_cliques.hpp>
 #include <boost/graph/connected_components.hpp>
+#include <boost/graph/depth_first_search.hpp>
 #include <boost/graph/kruskal_min_spanning_tree.hpp>
 #include <iterator>
 #include <mapjoin/graph/graph.hpp>
@@ -23,6 +24,43 @@ class Recorder : public boost::default_bfs_visitor {
  private:
   const std::vector<std::uint32_t>* numbers_;
   std::vector<Reached>* reached_;
+};
+
+/// Finds bridges: the edges of a depth-first forest that no edge from below leads back over (Tarjan, 1974).
+class BridgeFinder : public boost::default_dfs_visitor {
+ public:
+  struct Visit {
+    std::uint32_t time = 0;
+    std::uint32_t earliest = 0;         // time of the earliest vertex that edges from here and from below lead back to
+    std::optional<std::uint32_t> edge;  // by which the walk came, from the vertex `above`
+    Vertex above = 0;
+  };
+
+  BridgeFinder(std::vector<Visit>& visits, std::vector<bool>& is_bridge) : visits_(&visits), is_bridge_(&is_bridge) {}
+  void tree_edge(Graph::edge_descriptor edge, const Graph& graph) const {
+    Visit& below = visit(target(edge, graph));
+    below.edge = graph[edge].number;
+    below.above = source(edge, graph);
+  }
+  void discover_vertex(Vertex v, const Graph&) { visit(v).time = visit(v).earliest = time_++; }
+  void back_edge(Graph::edge_descriptor edge, const Graph& graph) const {
+    Visit& from = visit(source(edge, graph));
+    if (from.edge != graph[edge].number) from.earliest = std::min(from.earliest, visit(target(edge, graph)).time);
+  }
+  void finish_vertex(Vertex v, const Graph&) const {
+    const Visit& of_v = visit(v);
+    if (!of_v.edge) return;
+    (*is_bridge_)[*of_v.edge] = of_v.earliest == of_v.time;
+    Visit& above = visit(of_v.above);
+    above.earliest = std::min(above.earliest, of_v.earliest);
+  }
+
+ private:
+  Visit& visit(Vertex v) const { return (*visits_)[v]; }
+
+  std::vector<Visit>* visits_;
+  std::vector<bool>* is_bridge_;
+  std::uint32_t time_ = 0;
 };
 
 /// Keeps the largest clique.
@@ -65,6 +103,13 @@ std::vector<std::uint32_t> components_of(const Graph& graph) {
   std::vector<std::uint32_t> component(num_vertices(graph));
   connected_components(graph, boost::make_iterator_property_map(component.begin(), get(boost::vertex_index, graph)));
   return component;
+}
+
+std::vector<bool> bridges_of(std::size_t vertices, const std::vector<Edge>& edges) {
+  std::vector<bool> is_bridge(edges.size());
+  std::vector<BridgeFinder::Visit> visits(vertices);
+  depth_first_search(make_graph(vertices, edges), boost::visitor(BridgeFinder(visits, is_bridge)));
+  return is_bridge;
 }
 
 std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Vertex>& roots) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Undirected graphs for Boost.Graph: components, spanning forests, cliques and covers by paths.
+// Undirected graphs for Boost.Graph: components, bridges, spanning forests, cliques and covers by paths.
 
 #include <boost/graph/compressed_sparse_row_graph.hpp>
 #include <cstddef>
@@ -28,6 +28,9 @@ Graph make_graph(std::size_t vertices, const std::vector<Edge>& edges);
 
 /// The connected component of each vertex. Components are numbered in the order of their first vertices.
 std::vector<std::uint32_t> components_of(const Graph& graph);
+
+/// True for each edge that is a bridge: without it its two vertices are not connected. O(vertices + edges).
+std::vector<bool> bridges_of(std::size_t vertices, const std::vector<Edge>& edges);
 
 /// A vertex of a forest, and the edge by which it was reached.
 struct Reached {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/graph/graph.hpp>
+#include <random>
 #include <ranges>
 
 namespace mapjoin::testing {
@@ -30,6 +31,33 @@ TEST(Graph, ComponentsAreNumberedByTheirFirstVertices) {
 
 TEST(Graph, ALoopAndARepeatedEdgeTieNothingNew) {
   EXPECT_THAT(components_of(make_graph(3, {{1, 1}, {0, 2}, {2, 0}})), ElementsAre(0, 1, 0));
+}
+
+TEST(Bridges, AreTheEdgesOnNoCycle) {
+  // Two triangles with two edges between them, an edge to the side, and two vertices of their own.
+  const std::vector<Edge> edges = {{7, 8}, {2, 3}, {1, 0}, {1, 2}, {2, 0}, {4, 3}, {4, 5}, {6, 5}, {6, 4}, {9, 1}};
+  EXPECT_THAT(bridges_of(10, edges), ElementsAre(true, true, false, false, false, true, false, false, false, true));
+  EXPECT_THAT(bridges_of(0, {}), IsEmpty());
+}
+
+TEST(Bridges, AreNeitherLoopsNorRepeatedEdges) {
+  EXPECT_THAT(bridges_of(4, {{0, 1}, {1, 2}, {2, 1}, {2, 2}, {2, 3}}), ElementsAre(true, false, false, false, true));
+}
+
+TEST(Bridges, AreThoseWithoutWhichRandomGraphsFallApart) {
+  std::mt19937 engine(3);
+  for (int trial = 0; trial < 50; ++trial) {
+    constexpr Vertex kVertices = 12;
+    std::vector<Edge> edges;
+    for (int e = 0; e < 12; ++e) edges.emplace_back(engine() % kVertices, engine() % kVertices);
+    const std::vector<bool> are_bridges = bridges_of(kVertices, edges);
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      std::vector<Edge> others = edges;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(e));
+      const std::vector<std::uint32_t> component = components_of(make_graph(kVertices, others));
+      EXPECT_EQ(are_bridges[e], component[edges[e].first] != component[edges[e].second]);
+    }
+  }
 }
 
 TEST(SpanningForest, TakesTheEdgesOfLowestNumber) {
