@@ -63,12 +63,12 @@ std::vector<TestedPart> parts_of(const System<Dim>& system, std::size_t factors,
 
 /// Solves for closures and priors that others hardly confirm: one alone may close a long loop.
 template <int Dim>
-void solve_for_weak(LeaveOneOut<Dim>& leave_one_out, const std::vector<TestedPart>& parts) {
+void solve_for_weak(LeaveOneOut<Dim>& leave_one_out, const std::vector<TestedPart>& parts, const std::stop_token& stop) {
   std::vector<std::size_t> factors;
   for (const TestedPart& part : parts) {
     if (part.kind == PartKind::kClosure || part.kind == PartKind::kPrior) factors.push_back(part.part.factor);
   }
-  leave_one_out.solve_for_weak(factors);
+  leave_one_out.solve_for_weak(factors, stop);
 }
 
 /// Tests all parts, and drops those that nothing else confirms.
@@ -176,7 +176,7 @@ GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquatio
                               const std::stop_token& stop) {
   LeaveOneOut<Dim> leave_one_out(restored.system, equations, marginals);
   std::vector<TestedPart> parts = parts_of(restored.system, equations.pattern().factors.size(), odometry);
-  solve_for_weak(leave_one_out, parts);
+  solve_for_weak(leave_one_out, parts, stop);
   test_parts(leave_one_out, parts);
   GoodnessOfFit fit;
   fit.chi2 = leave_one_out.chi2();

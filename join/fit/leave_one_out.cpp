@@ -83,17 +83,6 @@ Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::Matri
   return of_W * scaled_eigenvectors(of_W.transpose() * M * of_W, least);
 }
 
-/// The number of factors of each variable.
-Table<Variable, std::size_t> factor_counts(const BlockPattern& pattern) {
-  Table<Variable, std::size_t> counts(pattern.dofs.size(), 0);
-  for (std::size_t k = 0; k < pattern.factors.size(); ++k) {
-    for (const Variable v : pattern.factors[k]) {
-      if (v != kConstant) ++counts[v];
-    }
-  }
-  return counts;
-}
-
 }  // namespace
 
 template <int Dim>
@@ -119,7 +108,7 @@ LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEqua
 }
 
 template <int Dim>
-void LeaveOneOut<Dim>::solve_for_weak(std::span<const std::size_t> factors) {
+void LeaveOneOut<Dim>::solve_for_weak(std::span<const std::size_t> factors, const std::stop_token& stop) {
   std::vector<std::size_t> weak;
   for (const std::size_t k : factors) {
     const Eigen::MatrixXd W = dense_factor(system_, k).W;
@@ -128,11 +117,11 @@ void LeaveOneOut<Dim>::solve_for_weak(std::span<const std::size_t> factors) {
     if (testable_directions(M(k), of_W, kLeastRedundancy).cols() < of_W.cols()) weak.push_back(k);
   }
   if (weak.empty()) return;
-  const Table<Variable, std::size_t> counts = factor_counts(equations_.pattern());
-  std::erase_if(weak, [&](std::size_t k) {
-    return std::ranges::any_of(equations_.pattern().factors[k], [&](Variable v) { return v != kConstant && counts[v] == 1; });
-  });
-  for (const std::size_t k : weak) solve_for(k);
+  const std::vector<bool> are_lone = lone_ties(equations_.pattern());
+  for (const std::size_t k : weak) {
+    if (stop.stop_requested()) return;
+    if (!are_lone[k]) solve_for(k);
+  }
 }
 
 /// Uses M = W (I - J P Jᵀ W), where P Jᵀ W is solved for: poses far from the gauge then move together by next to nothing, while

@@ -7,6 +7,7 @@
 #include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace mapjoin {
@@ -43,8 +44,9 @@ class LeaveOneOut {
 
   /// Solves for those of some factors that others hardly confirm in some direction, which covariances do not show: a sharp
   /// closure of a long loop. It is then tested down to a hundred-millionth of its information, in place of a millionth. Factors
-  /// of a variable that has no other factor are passed over. Makes a solution for each row of such a factor.
-  void solve_for_weak(std::span<const std::size_t> factors);
+  /// that alone tie a part of the variables to the rest are passed over, as nothing predicts them. Makes a solution for each
+  /// row of such a factor; none once a stop is requested.
+  void solve_for_weak(std::span<const std::size_t> factors, const std::stop_token& stop = {});
 
   /// The chi2 at the optimum of the linearised problem, which the estimate may miss by a little.
   double chi2() const { return chi2_; }

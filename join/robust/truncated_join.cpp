@@ -193,7 +193,7 @@ void TruncatedJoin<Dim>::test_all(const std::stop_token& stop) {
   marginals_.emplace(system_->equations());
   LeaveOneOut<Dim> leave_one_out(*system_, system_->equations(), *marginals_);
   for_each_doubtful([](auto& factor, std::size_t, auto) { factor.loss = {}; });  // tests are of the measurements as they are
-  leave_one_out.solve_for_weak(counting_closures());
+  leave_one_out.solve_for_weak(counting_closures(), stop);
   parallel_chunks(counts_.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       tests_[k] =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/graph/graph.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/block_pattern.hpp>
 #include <numeric>
@@ -57,6 +58,26 @@ class FactorsOf {
 };
 
 }  // namespace
+
+std::vector<bool> lone_ties(const BlockPattern& pattern) {
+  static_assert(kConstant == -1, "what is held is the vertex before the first variable");
+  const auto vertex = [](Variable v) { return static_cast<Vertex>((v + 1).position()); };
+  std::vector<Edge> edges;
+  std::vector<std::size_t> factors;  // of each edge
+  for (std::size_t k = 0; k < pattern.factors.size(); ++k) {
+    const auto variables = pattern.factors[k];
+    for (const Variable v : variables.subspan(1)) {
+      edges.emplace_back(vertex(variables.front()), vertex(v));
+      factors.push_back(k);
+    }
+  }
+  const std::vector<bool> is_bridge = bridges_of(1 + pattern.dofs.size(), edges);
+  std::vector<bool> are_lone(pattern.factors.size());
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (is_bridge[e]) are_lone[factors[e]] = true;
+  }
+  return are_lone;
+}
 
 Elimination::Elimination(const BlockPattern& pattern, const Ordering& ordering) {
   const FactorsOf factors_of(pattern);

@@ -4,6 +4,7 @@
 
 #include <mapjoin/solve/block_lower.hpp>
 #include <mapjoin/solve/ordering.hpp>
+#include <vector>
 
 namespace mapjoin {
 
@@ -12,6 +13,9 @@ struct BlockPattern {
   Table<Variable, int> dofs;             ///< Entries of each variable.
   Lists<std::size_t, Variable> factors;  ///< A factor's variables, kConstant for one that is held.
 };
+
+/// True for each factor that alone ties a variable, and all that hangs on it, to the others and to what is held.
+std::vector<bool> lone_ties(const BlockPattern& pattern);
 
 /// An order in which the variables of a pattern are eliminated.
 struct Elimination {

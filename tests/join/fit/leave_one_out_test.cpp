@@ -114,6 +114,9 @@ TYPED_TEST(LeaveOneOutTest, TestsASharpClosureOfALongLoopOnceSolvedFor) {
   log.graph.pose_factors.back().information *= 1e5;
   const typename TestFixture::Tests tests(this->full_slam(log));
   const MeasuredPart closure = tests.whole(tests.factor_of(log.closures()[0]));
+  std::stop_source stop;
+  stop.request_stop();
+  tests.leave_one_out->solve_for_weak(std::array{closure.factor}, stop.get_token());
   EXPECT_LT(tests.leave_one_out->test(closure).rows, kPoseDof<kDim>);
   tests.leave_one_out->solve_for_weak(std::array{closure.factor});
   const PartTest test = tests.leave_one_out->test(closure);

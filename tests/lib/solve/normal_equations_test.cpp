@@ -109,6 +109,19 @@ TEST_F(NormalEquationsTest, NameTheVariableThatNothingDetermines) {
   EXPECT_EQ(equations.factorise(0.0), Variable(2));  // which is in no factor
 }
 
+TEST(LoneTies, AreTheFactorsWithoutWhichVariablesFallApart) {
+  BlockPattern pattern{{3, 3, 3, 3, 3, 2}, {}};
+  const auto add = [&](auto... variables) { pattern.factors.push_back(std::array{Variable(variables)...}); };
+  add(kConstant.value, 0);
+  add(0, 1);
+  add(1, kConstant.value);  // which closes a cycle
+  add(1, 2);
+  add(2, 3);
+  add(3, 4, 5);
+  add(4, 5);  // which closes another
+  EXPECT_EQ(lone_ties(pattern), (std::vector<bool>{false, false, false, true, true, false, false}));
+}
+
 /// The pattern of a chain of poses that see features of a strip beside it.
 BlockPattern strip(int poses, int features) {
   BlockPattern pattern;
