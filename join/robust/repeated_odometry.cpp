@@ -4,6 +4,8 @@
 #include <mapjoin/join/robust/repeated_odometry.hpp>
 #include <mapjoin/join/robust/support/odometry_chain.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <utility>
+#include <vector>
 
 namespace mapjoin {
 
@@ -29,14 +31,20 @@ Inliers<Log<Dim>> without_contradicted_odometry(const Log<Dim>& log, double conf
   Inliers<Log<Dim>> inliers{log, {}};
   const std::vector<RepeatedOdometry> repeated = repeated_odometry(log);
   const auto count = static_cast<double>(log.closures().size() + log.observations().size() + repeated.size());
-  auto& factors = inliers.input.graph.pose_factors;
+  const auto& factors = log.graph.pose_factors;  // odometry comes first
+  std::vector<PoseFactor<Dim>> kept;
+  kept.reserve(factors.size());
+  auto next = factors.begin();  // the first that is neither kept nor rejected
   for (const auto& [edge, chi2] : repeated) {
     const double probability = std::min(1.0, count * chi_squared_upper_tail(chi2, kPoseDof<Dim>));
     if (probability >= 1.0 - confidence) continue;
-    const auto& factor = log.odometry()[edge];
-    inliers.rejected.push_back({{PartKind::kOdometry, factor.base, factor.target, chi2, kPoseDof<Dim>, probability}});
-    factors.erase(factors.begin() + static_cast<std::ptrdiff_t>(edge + 1 - inliers.rejected.size()));
+    const auto factor = factors.begin() + static_cast<std::ptrdiff_t>(edge);
+    inliers.rejected.push_back({{PartKind::kOdometry, factor->base, factor->target, chi2, kPoseDof<Dim>, probability}});
+    kept.insert(kept.end(), next, factor);
+    next = factor + 1;
   }
+  kept.insert(kept.end(), next, factors.end());
+  inliers.input.graph.pose_factors = std::move(kept);
   return inliers;
 }
 

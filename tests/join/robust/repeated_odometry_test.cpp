@@ -6,6 +6,7 @@
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
+#include <tests/support/same_log.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -69,6 +70,19 @@ TYPED_TEST(RepeatedOdometryTest, IsRejectedWhereItContradictsTheFirstOne) {
   EXPECT_LT(inliers.rejected[0].misfit.probability, 0.01);
   ASSERT_EQ(inliers.input.odometry().size(), 4U);
   EXPECT_EQ(inliers.input.odometry()[2].base, log.odometry()[3].base);
+}
+
+TYPED_TEST(RepeatedOdometryTest, LeavesAllElseWhereItIsRejected) {
+  constexpr int kDim = TypeParam::value;
+  Log<kDim> log = this->log();
+  for (const std::size_t wrong : {2U, 3U}) log.graph.pose_factors[wrong].measured.translation[0] += 10.0;
+  log.graph.pose_factors.push_back({kWorld, 3, {}, PoseMatrix<kDim>::Identity()});
+  const auto inliers = without_contradicted_odometry(log, 0.99);
+  EXPECT_EQ(inliers.rejected.size(), 2U);
+  ASSERT_EQ(inliers.input.graph.pose_factors.size(), 4U);
+  testing::expect_same_observations(inliers.input.odometry().first(2), log.odometry().first(2), {});
+  testing::expect_same_observations(inliers.input.odometry().last(1), log.odometry().last(1), {});
+  testing::expect_same_observations(inliers.input.pose_priors(), log.pose_priors(), {});
 }
 
 TYPED_TEST(RepeatedOdometryTest, IsNothingWhereEachStepIsToldOnce) {
