@@ -8,8 +8,8 @@
 namespace mapjoin {
 namespace {
 
-/// The least spread of points that fixes a rotation, relative to their largest coordinate and, about their main axis, to their
-/// largest spread.
+/// The least spread of points that fixes a rotation, relative to their largest coordinate, or to 1 m if that is less, and,
+/// about their main axis, to their largest spread.
 constexpr double kLeastSpread = 1e-6;
 
 /// True if the points spread in at least Dim - 1 directions, and so fix a rotation.
@@ -87,6 +87,10 @@ void Correspondences<Dim>::add_pose(const Pose<Dim>& in_first, const Pose<Dim>& 
 
 template <int Dim>
 void Correspondences<Dim>::add_closure(const PoseFactor<Dim>& closure, const Pose<Dim>& in_first, const Pose<Dim>& in_second) {
+  if (!measures_position(closure)) {
+    if (measures_rotation(closure)) turns.push_back(compose(in_first, inverse(in_second)));
+    return;
+  }
   if (measures_rotation(closure)) return add_pose(in_first, in_second);
   add_point(in_first.translation, in_second.translation);
 }
@@ -108,6 +112,7 @@ std::vector<Pose<Dim>> Correspondences<Dim>::candidates() const {
     last = k;
   }
   if (const auto aligned = rigid_alignment(second_points, first_points)) tries.push_back(*aligned);
+  if (tries.empty() && !turns.empty()) tries.push_back(turns.front());
   return tries;
 }
 

@@ -21,9 +21,11 @@ struct Correspondences {
   std::vector<Pose<Dim>> alignments;     ///< Poses of the second frame in the first, each from one shared pose or closure.
   std::vector<Point<Dim>> first_points;  ///< Shared points in the first frame; second_points are the same in the second.
   std::vector<Point<Dim>> second_points;
+  std::vector<Pose<Dim>> turns;  ///< As alignments, from closures that leave the position free: right in their rotation only.
 
   void add_pose(const Pose<Dim>& in_first, const Pose<Dim>& in_second);
-  /// Adds the target of a closure; only its position counts if the closure does not measure rotation, as between robots.
+  /// Adds the target of a closure; only its position counts if the closure does not measure rotation, as between robots, and
+  /// only its rotation, for want of all else, if it does not measure position.
   void add_closure(const PoseFactor<Dim>& closure, const Pose<Dim>& in_first, const Pose<Dim>& in_second);
   void add_point(const Point<Dim>& in_first, const Point<Dim>& in_second);
   /// The alignments worth trying, those from poses first; empty if the correspondences do not determine any.

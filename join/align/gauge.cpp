@@ -24,7 +24,8 @@ Correspondences<Dim> world_correspondences(const SubmapGraph<Dim>& graph, const 
     }
   }
   for (const auto* prior : graph.priors.feature_factors) {
-    if (const auto* feature = find_feature(partial, prior->target)) correspondences.add_point(prior->measured, *feature);
+    const auto* feature = find_feature(partial, prior->target);
+    if (feature && measures_position(*prior)) correspondences.add_point(prior->measured, *feature);
   }
   return correspondences;
 }

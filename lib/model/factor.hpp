@@ -60,6 +60,10 @@ bool measures_position(const PoseFactor<Dim>& factor) {
   return (factor.information.diagonal().template head<Dim>().array() > 0.0).all();
 }
 template <int Dim>
+bool measures_position(const FeatureFactor<Dim>& factor) {
+  return (factor.information.diagonal().array() > 0.0).all();
+}
+template <int Dim>
 bool measures_rotation(const PoseFactor<Dim>& factor) {
   return (factor.information.diagonal().template tail<kRotationDof<Dim>>().array() > 0.0).all();
 }

@@ -137,6 +137,29 @@ TYPED_TEST(AlignmentTest, TakesARobotThatIsSeenForAPointWhereverItHeads) {
   EXPECT_LT(local(tries.front(), second_in_first).norm(), 1e-9);
 }
 
+TYPED_TEST(AlignmentTest, TakesFromAClosureThatLeavesThePositionFreeTheRotationOnlyForWantOfAllElse) {
+  constexpr int kDim = TestFixture::kDim;
+  PoseFactor<kDim> turned{0, 1, Pose<kDim>{}, PoseMatrix<kDim>::Identity()};
+  turned.information(0, 0) = 0.0;
+  const Pose<kDim> second_in_first = this->random_.template pose<kDim>(5.0, 2.0);
+  Pose<kDim> elsewhere = second_in_first;
+  elsewhere.translation[0] += 1e3;
+  Correspondences<kDim> correspondences;
+  correspondences.add_closure(turned, elsewhere, Pose<kDim>{});
+  const auto turn = correspondences.candidates();
+  ASSERT_EQ(turn.size(), 1u);
+  EXPECT_LT(local(turn.front(), elsewhere).norm(), 1e-9);
+  for (const auto& point : this->scattered(6)) correspondences.add_point(transform(second_in_first, point), point);
+  const auto tries = correspondences.candidates();
+  ASSERT_EQ(tries.size(), 1u);
+  EXPECT_LT(local(tries.front(), second_in_first).norm(), 1e-9);
+  Correspondences<kDim> of_nothing;
+  turned.information.setZero();
+  of_nothing.add_closure(turned, elsewhere, Pose<kDim>{});
+  EXPECT_TRUE(of_nothing.first_points.empty());
+  EXPECT_TRUE(of_nothing.candidates().empty());
+}
+
 /// Two partial maps that share a pose and a feature; each sees the shared feature and one of its own from both its poses.
 TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
   constexpr int kDim = TestFixture::kDim;

@@ -180,6 +180,23 @@ TYPED_TEST(PlaceInWorldTest, ARotationSaysNothingOfThePosition) {
   this->expect_in_place({rotation, this->prior(2, 0.0, true, true)});
 }
 
+TYPED_TEST(PlaceInWorldTest, AFeatureWhosePositionIsNotMeasuredSaysNothing) {
+  constexpr int kDim = TestFixture::kDim;
+  PartialMap<kDim> partial = this->partial_;
+  std::vector<FeatureFactor<kDim>> priors;
+  for (FeatureIndex f = 0; f < 5; ++f) {
+    partial.features.push_back(f);
+    partial.state.features.push_back(partial.state.poses[PoseIndex(f.value)].translation);
+    priors.push_back({kWorld, f, this->truth_[PoseIndex(f.value)].translation, PointMatrix<kDim>::Identity()});
+  }
+  priors[3].measured.setConstant(1e3);
+  priors[3].information(0, 0) = 0.0;
+  SubmapGraph<kDim> graph;
+  for (const auto& prior : priors) graph.priors.feature_factors.push_back(&prior);
+  place_in_world(graph, Pose<kDim>{}, partial);
+  EXPECT_LT(local(partial.state.poses.front(), this->truth_.front()).norm(), 1e-9);
+}
+
 TYPED_TEST(PlaceInWorldTest, TheAlignmentIsThatOfLeastDistances) {
   this->expect_in_place({this->prior(0, 1.0, true, true), this->prior(2, 0.0, true, true)});
 }
