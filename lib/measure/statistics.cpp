@@ -22,6 +22,7 @@ double finite(double value) {
 }  // namespace
 
 double chi_squared_upper_tail(double value, double dof) {
+  if (std::isnan(value)) return value;
   if (dof <= 0.0) return 1.0;
   return boost::math::cdf(boost::math::complement(ChiSquared(dof), finite(std::max(0.0, value))));
 }

@@ -34,7 +34,7 @@ T nth_largest(std::vector<T> values, std::size_t rank) {
   return *nth;
 }
 
-/// The probability that chi-squared exceeds `value` with `dof` degrees of freedom; 1 without any.
+/// The probability that chi-squared exceeds `value` with `dof` degrees of freedom; 1 without any, NaN for NaN.
 double chi_squared_upper_tail(double value, double dof);
 /// The logarithm of chi_squared_upper_tail(), also if that is too small for a double.
 double log_chi_squared_upper_tail(double value, double dof);

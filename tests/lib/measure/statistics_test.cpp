@@ -22,6 +22,13 @@ TEST(ChiSquared, IsNeverBeyondAllNumbers) {
   EXPECT_LT(log_chi_squared_upper_tail(infinite, 3), log_chi_squared_upper_tail(1e300, 3));
 }
 
+TEST(ChiSquared, OfNoNumberHasNoProbability) {
+  for (const double dof : {0.0, 3.0}) {
+    EXPECT_TRUE(std::isnan(chi_squared_upper_tail(std::nan(""), dof)));
+    EXPECT_TRUE(std::isnan(log_chi_squared_upper_tail(std::nan(""), dof)));
+  }
+}
+
 TEST(ChiSquared, OfNearlyNothingIsCertainWithAnyDegreesOfFreedom) {
   for (const double value : {0.0, 5e-324, 1e-200, 1e-20, 1e-10}) {
     for (const double dof : {300.0, 3600.0, 1e5, 1e7})
