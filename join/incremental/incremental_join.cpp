@@ -97,9 +97,13 @@ AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::
   AddedUpdate changed;
   bool has_lost = false;
   for (const std::size_t k : out) {
-    const bool was_joined = left_out_.insert(k).second && std::erase(waiting_, k) == 0;
-    if (was_joined) estimate_.leave(updates_[k]);
-    has_lost |= was_joined;
+    if (!left_out_.insert(k).second) continue;
+    if (std::erase(waiting_, k) > 0) {
+      shared_when_tried_ = 0;  // the others are to be tried by what they share
+    } else {
+      estimate_.leave(updates_[k]);
+      has_lost = true;
+    }
   }
   const double chi2_before = estimate_.chi2();
   const std::int64_t dof_before = estimate_.dof();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <tests/join/incremental/incremental_join_fixture.hpp>
 #include <tests/support/dimensions.hpp>
@@ -131,6 +132,28 @@ TYPED_TEST(IncrementalWaitingTest, AnEarlierUpdateThatIsTiedLaterTakesTheFrame) 
     const Pose<kDim> relative = compose(inverse(*joined.pose(first)), *joined.pose(ties.poses[p]));
     EXPECT_LT(local(ties.graph.pose_factors[static_cast<std::size_t>(p.value) - 1].measured, relative).norm(), 1e-3);
   }
+}
+
+TYPED_TEST(IncrementalWaitingTest, WhatIsTakenOutKeepsNothingElseWaiting) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 20, .features = 0, .closures = 0, .sessions = 2}, 5.0);
+  const std::size_t half = updates.size() / 2;
+  ASSERT_EQ(first_pose(updates[half]), (PoseId{1, 0}));
+  IncrementalJoin<kDim> joined;
+  for (std::size_t k = 0; k < half; ++k) joined.add(updates[k]).value();
+  EXPECT_FALSE(joined.add(unrelated_poses<kDim>()).value().is_joined);
+  // Edges from many poses to one of the two, which leave the other one free.
+  SubmapUpdate<kDim> in_vain;
+  in_vain.poses.push_back({9, 0});
+  for (std::size_t k = 0; k < half; ++k) {
+    in_vain.graph.pose_factors.push_back(
+        {enter_name(in_vain.poses, first_pose(updates[k])), 0, {}, PoseMatrix<kDim>::Identity()});
+  }
+  EXPECT_FALSE(joined.add(in_vain).value().is_joined);
+  joined.change(std::array{half + 1}, {});
+  EXPECT_FALSE(joined.add(updates[half]).value().is_joined);
+  EXPECT_TRUE(joined.add(this->closure(updates[0], updates[half], {}, PoseMatrix<kDim>::Identity())).value().is_joined);
+  EXPECT_EQ(joined.waiting(), 1U);
 }
 
 TYPED_TEST(IncrementalWaitingTest, AnEdgeTiesASessionEitherWay) {
