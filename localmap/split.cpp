@@ -69,7 +69,8 @@ void keep(const Segment& segment, Table<PoseIndex, bool>& kept) {
   for (PoseIndex pose = segment.begin + 1; !segment.is_map && pose < segment.end; ++pose) kept[pose] = true;
 }
 
-/// The most variables that fit into one dense matrix with ease: 200 MB, several copies, and a map for every thread.
+/// The most entries of a border whose block of H, a dense matrix, is handled with ease: 200 MB. There are several copies of it,
+/// the rows that tie the interior to it come on top, and a map is built on every thread.
 constexpr std::int64_t kMostBorder = 5000;
 
 /// True if a map pays: it eliminates at least half of its inner poses, and its border is not too large.

@@ -13,7 +13,7 @@ namespace mapjoin {
 
 /// The rule for the length of a segment.
 enum class SplitRule : std::uint8_t {
-  kAuto,      ///< A number of steps, at least `amount`, chosen by a cost model (docs/decisions.md).
+  kAuto,      ///< A number of steps, at least `amount` or 100, if that is less, chosen by a cost model (docs/decisions.md).
   kPoses,     ///< At most `amount` steps.
   kDistance,  ///< At least `amount` metres travelled, by odometry.
   kFeatures,  ///< At least `amount` different features seen.

@@ -78,8 +78,9 @@ struct GoodnessOfFit {
 /// Tests a map at the estimate of `restored`, whose normal equations, linearised and factorised there, are `equations`; `dof`
 /// are the degrees of freedom of its chi2, `odometry` is that of its log, empty without a log. A map that fits is called a
 /// misfit in one of a hundred cases: half of this level is spent on chi2 as a whole, the other half, by Holm's correction, on
-/// all parts together. At most `most_misfits` are named, and no more once a stop is requested. If the typical residuals of a
-/// kind are larger than its covariances say, all of the kind are judged against that scale.
+/// all parts together. At most `most_misfits` are named, and no more once a stop is requested, nor is anything solved for then
+/// (LeaveOneOut::solve_for_weak()). If the typical residuals of a kind are larger than its covariances say, all of the kind are
+/// judged against that scale.
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
                               std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits,

@@ -29,10 +29,10 @@ class FrontTree {
   /// Removes a quadratic from the sum, for good.
   void remove_quadratic(QuadraticIndex quadratic);
 
-  /// Eliminates again all fronts touched since the last time, the variables `last` after all others, and solves. Variables that
-  /// nothing determines stay where they are, and so do those of a front of n entries that would move by no more than n
-  /// `no_move` squared standard deviations. Returns the number of variables eliminated. If it throws, for want of memory, the
-  /// tree is unusable; factors that were kept stay valid.
+  /// Eliminates again all fronts touched since the last time, the variables `last` after all others, and solves. The
+  /// variables of a front of n entries that would move by no more than n `no_move` squared standard deviations stay where they
+  /// are; of the others, entries that nothing determines become 0. Returns the number of variables eliminated. If it throws,
+  /// for want of memory, the tree is unusable; factors that were kept stay valid.
   std::size_t update(std::span<const Variable> last, double no_move = 1e-6);
   /// The entries of a variable, or of several, at the minimum of the sum, but for those that stay where they are (see
   /// update()).
