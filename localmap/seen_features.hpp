@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <mapjoin/model/ids.hpp>
 #include <utility>
-#include <vector>
 
 namespace mapjoin {
 
@@ -14,12 +13,12 @@ class SeenFeatures {
  public:
   explicit SeenFeatures(std::size_t features) : seen_in_(features, kWorld) {}
 
-  /// Notes that the segment beginning at `begin` sees a feature; true for the first time.
-  bool see(FeatureIndex feature, PoseIndex begin) { return std::exchange(seen_in_[feature], begin) != begin; }
-  /// The number of features that the segment sees for the first time by these observations.
+  /// Notes what the segment beginning at `begin` sees by these observations; returns the number of features that it had not
+  /// seen.
   template <typename Observations>
   std::int64_t count_new(const Observations& observations, PoseIndex begin) {
-    return std::count_if(observations.begin(), observations.end(), [&](const auto& o) { return see(o.target, begin); });
+    return std::count_if(observations.begin(), observations.end(),
+                         [&](const auto& o) { return std::exchange(seen_in_[o.target], begin) != begin; });
   }
 
  private:

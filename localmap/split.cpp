@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <mapjoin/localmap/seen_features.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/localmap/split.hpp>
