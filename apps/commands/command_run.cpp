@@ -168,7 +168,7 @@ void CommandRun::tell(const std::string& json, const std::string& text) {
   progress_.close();
   if (options_.report_on_stdout()) return demand(write_stdout(json));
   if (!options_.report.empty()) demand(write_file(options_.report, json));
-  if (!options_.quiet) demand(write_stdout(text));
+  if (options_.has_summary()) demand(write_stdout(text));
 }
 
 ExitCode CommandRun::conclude() {

@@ -98,8 +98,8 @@ class CommandRun {
   Expected<void> write_extra(Extra extra, const RunResult<Dim>& result, const Log<Dim>* log,
                              const std::filesystem::path& file) const;
 
-  /// Writes the outcome: `json` for programs if a report is asked for, `text` for people on standard output, unless the report
-  /// goes there or --quiet is given.
+  /// Writes the outcome: `json` for programs if a report is asked for, `text` for people on standard output, if there is a
+  /// summary.
   void tell(const std::string& json, const std::string& text);
   /// Tells report and summary; the exit code of how the work ended.
   ExitCode conclude();

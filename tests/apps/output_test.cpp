@@ -270,6 +270,24 @@ TEST_F(Output, GoesOnBehindWhatStandardOutputHasInIt) {
   EXPECT_EQ(content_of(log).substr(0, 9), "before\n# ");
 }
 
+TEST_F(Output, OnStandardOutputHasNoSummaryBesideIt) {
+  const std::string log = folder.file("log.g2o", kSmallLog).string();
+  for (std::vector<std::string> words :
+       std::vector<std::vector<std::string>>{{"solve", log, "-o", "/dev/stdout"},
+                                             {"convert", log, "/dev/stdout", "--to", "isam"},
+                                             {"simulate", "--poses", "30", "-o", "/dev/stdout"},
+                                             {"check", log, "-o", "/dev/stdout"},
+                                             {"covariance", log, "1", "-o", "/dev/stdout"}}) {
+    const std::string out = call(words).out;
+    EXPECT_FALSE(out.empty()) << words.front();
+    words.emplace_back("--quiet");
+    EXPECT_EQ(out, call(words).out) << words.front();
+  }
+  EXPECT_TRUE(nlohmann::json::accept(call({"run", log, "--report", "/dev/stdout"}).out));
+  Process piped({"sh", "-c", kCommand + " convert " + log + " /dev/stdout --to isam | " + kCommand + " run /dev/stdin"});
+  EXPECT_EQ(piped.wait(), 0) << piped.standard_error();
+}
+
 TEST_F(Output, AReaderThatHasGoneIsNoError) {
   ProcessOptions gone;
   gone.reader_has_gone = true;
