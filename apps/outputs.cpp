@@ -190,7 +190,7 @@ bool names_map_file(const fs::path& path) {
   const std::string extension = extension_of(path);
   std::error_code ignored;
   const bool is_map = extension == ".g2o" || extension == ".tum" || extension == ".csv" || extension == ".mat";
-  return is_map && !fs::is_directory(path, ignored);
+  return is_special(path) || is_stdout(path) || (is_map && !fs::is_directory(path, ignored));
 }
 
 bool goes_by_extension(const fs::path& path) {

@@ -55,7 +55,8 @@ void check_writable(const NamedFiles& files);
 /// The extension of a path in lower case: .G2O is .g2o.
 std::string extension_of(const std::filesystem::path& path);
 
-/// True if a path names a map of one file: its extension is .g2o, .tum, .csv or .mat, and it is not an existing folder.
+/// True if a path names a map of one file: its extension is .g2o, .tum, .csv or .mat, and it is not an existing folder; or it
+/// is a device, a pipe or standard output.
 bool names_map_file(const std::filesystem::path& path);
 
 /// True if the extension of a path says what is to be written there: it has one, and is no existing folder, device or pipe.

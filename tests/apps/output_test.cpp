@@ -263,6 +263,16 @@ TEST_F(Output, GoesThroughAPipeToo) {
   EXPECT_EQ(content_of(path("piped.g2o")), content_of(path("map.g2o")));
 }
 
+TEST_F(Output, OfARunOnStandardOutputIsTheMap) {
+  const Ended run = call({"run", kBundledLog, "-o", "/dev/stdout"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("map.g2o")}).exit_code, 0);
+  EXPECT_EQ(run.out, content_of(path("map.g2o")));
+  Process piped({"sh", "-c", kCommand + " run " + kBundledLog + " -o /dev/stdout | cat > " + path("piped.g2o")});
+  ASSERT_EQ(piped.wait(), 0) << piped.standard_error();
+  EXPECT_EQ(content_of(path("piped.g2o")), run.out);
+}
+
 TEST_F(Output, GoesOnBehindWhatStandardOutputHasInIt) {
   const auto log = folder.file("log.txt", "before\n");
   Process process({"sh", "-c", kCommand + " solve " + kBundledLog + " --quiet -o /dev/stdout >> " + log.string()});
