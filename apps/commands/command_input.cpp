@@ -191,6 +191,7 @@ void CommandRun::attach_gps(Log<Dim>& log) {
 
 template <typename Input>
 void CommandRun::reject_outliers(Input& input) {
+  if (tells_of_parts && !check_connected(input)) return;
   const Stopwatch watch(run_report.robust_seconds);
   if (progress_.is_shown()) progress_.show("rejecting", 0, 1);
   RobustOptions robust = *options_.robust;

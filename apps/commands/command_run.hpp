@@ -107,6 +107,8 @@ class CommandRun {
   void hand_over(const StudyOutput& output, std::optional<OutputFolder>& folder);
 
   RunReport run_report;
+  /// True if the command tells of parts that nothing ties itself: --robust leaves them as they are, and is no error.
+  bool tells_of_parts = false;
 
  private:
   /// Finds out which features are the same; kUsage for a store if names are not to hold, by which its local maps were built.
@@ -127,7 +129,8 @@ class CommandRun {
   /// Turns the fixes of --gps into priors of a log, except those that --robust rejects.
   template <int Dim>
   void attach_gps(Log<Dim>& log);
-  /// Leaves out what --robust rejects in a log or a set of local maps; kUsage for a store, whose maps are built already.
+  /// Leaves out what --robust rejects in a log or a set of local maps; kUsage for a store, whose maps are built already. Bad
+  /// input in parts that nothing ties, unless the command tells of them.
   template <typename Input>
   void reject_outliers(Input& input);
   template <int Dim>

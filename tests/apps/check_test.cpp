@@ -136,6 +136,14 @@ TEST(Check, ReportsALogThatFallsApartInsteadOfRefusingIt) {
   EXPECT_EQ(finding(report, "undetermined"), nullptr) << "nothing is joined";
 }
 
+TEST(Check, ReportsALogThatFallsApartWithRobustToo) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 8 9 1 0 0 1 0 0 1 0 1\n");
+  const json report = checked({log.string(), "--robust"}, 1);
+  EXPECT_EQ(finding(report, "parts")["where"], json({"pose 0", "pose 8"}));
+  EXPECT_EQ(report["robust"], nullptr) << "nothing is judged";
+}
+
 TEST(Check, SaysThatATrajectoryIsNoLog) {
   const TemporaryFolder folder;
   const std::string poses = folder.file("poses.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n").string();
