@@ -124,7 +124,8 @@ class CommandRun {
   /// Like demand_truth(), but with --parts all only says that the truth has nothing of a part, which is then not measured.
   template <typename Data>
   void settle_truth(const Data& data);
-  /// Says which files beside a map of one file were there before. They may belong to the user: none is removed.
+  /// Says which files beside a map of one file were there before, but for records of the stores that were joined. They may
+  /// belong to the user: none is removed.
   void say_what_is_left();
   /// Turns the fixes of --gps into priors of a log, except those that --robust rejects.
   template <int Dim>

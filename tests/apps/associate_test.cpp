@@ -109,6 +109,13 @@ TEST_F(AssociateCommandTest, GoesWithBuildNotWithTheJoinOfAStore) {
   EXPECT_THAT(refused.err, HasSubstr("--associate goes with `mapjoin build`"));
 }
 
+TEST_F(AssociateCommandTest, TheRecordBesideAStoreIsNotLeftOverWhenThatIsJoined) {
+  const std::string small = folder.file("small.g2o", kSmallLog).string();
+  ASSERT_EQ(call({"build", small, "--associate", "--quiet", "-o", file("town.maps")}).exit_code, 0);
+  EXPECT_EQ(call({"join", file("town.maps"), "--quiet", "-o", file("town.g2o")}).err, "");
+  EXPECT_THAT(call({"solve", small, "--quiet", "-o", file("town.g2o")}).err, HasSubstr("associations.csv: was there before"));
+}
+
 TEST_F(AssociateCommandTest, SaysThatPartsWithoutFeaturesStayApart) {
   const std::string edge = " 1 0 0 1 0 0 1 0 1\n";
   const auto parts = folder.file("parts.g2o", "EDGE_SE2 0 1" + edge + "EDGE_SE2 1 2" + edge + "EDGE_SE2 5 6" + edge).string();
