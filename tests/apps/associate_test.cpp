@@ -136,6 +136,13 @@ TEST_F(AssociateCommandTest, TellsOfTheLargestPartWhereThatIsTaken) {
   EXPECT_EQ(std::ranges::count(lines, '\n'), 1 + report["observations"].get<int>());
 }
 
+TEST_F(AssociateCommandTest, SaysThatThereIsNothingToAssociate) {
+  const auto edges = folder.file("edges.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n").string();
+  const Ended ended = call({"run", edges, "--associate"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("associated   nothing: there are no features\n"));
+}
+
 TEST_F(AssociateCommandTest, RefusesWhatMeansNothing) {
   EXPECT_THAT(call({"run", log, "--association", "nn"}).err, HasSubstr("--association is of --associate"));
   EXPECT_THAT(call({"run", log, "--confidence", "0.9"}).err, HasSubstr("--confidence is of --associate and --robust"));
