@@ -198,6 +198,19 @@ TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {
   EXPECT_THAT(apart.err, HasSubstr("--associate ties them by features that they share"));
 }
 
+TEST_F(SeveralInputs, StoresThatNothingTiesAreRefusedWithWhatTiesStores) {
+  std::vector<std::string> join = {"join"};
+  for (const std::string feature : {"7", "8"}) {
+    const std::string see = "EDGE_SE2_XY 0 " + feature + " 2 1 1 0 1\n";
+    const std::string log = folder.file(feature + ".g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n" + see).string();
+    join.push_back((folder.path() / (feature + ".maps")).string());
+    ASSERT_EQ(call({"build", log, "-o", join.back()}).exit_code, 0);
+  }
+  const Ended apart = call(join);
+  expect_failure(apart, 3, join[1] + " + " + join[2] + ": nothing ties its 2 parts together; they hold pose 0, pose 0 of ");
+  EXPECT_THAT(apart.err, ::testing::EndsWith("; --features own --associate ties stores by features that they share\n"));
+}
+
 TEST_F(SeveralInputs, FeaturesOfTheirOwnAreFoundToBeTheSame) {
   const auto joined = report_of({"run", a, b, "--features", "own", "--associate"});
   EXPECT_EQ(joined["poses"], 1000);
