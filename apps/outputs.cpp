@@ -198,6 +198,14 @@ bool goes_by_extension(const fs::path& path) {
   return path.has_extension() && !is_special(path) && !fs::is_directory(path, ignored);
 }
 
+std::vector<std::string> demand_extension(const fs::path& path) {
+  std::error_code ignored;
+  if (path.empty() || path.has_extension() || names_map_file(path) || fs::is_directory(path, ignored)) {
+    return check_extension(path);
+  }
+  return {fmt::format("--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat", path.string())};
+}
+
 std::vector<std::string> check_extension(const fs::path& path, bool takes_folder) {
   if (!goes_by_extension(path) || names_map_file(path)) return {};
   return {fmt::format("--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat{}", path.string(),

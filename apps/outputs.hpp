@@ -65,6 +65,9 @@ bool goes_by_extension(const std::filesystem::path& path);
 /// A violation, in words: an extension that is none of those of a map. A folder, which some commands take, has no extension,
 /// ends in /, or exists already.
 std::vector<std::string> check_extension(const std::filesystem::path& path, bool takes_folder = false);
+/// Like check_extension(), for a command that takes no new name without an extension either: `mapjoin run` makes a folder of
+/// it.
+std::vector<std::string> demand_extension(const std::filesystem::path& path);
 
 inline constexpr const char* kReportOfRun = "report.json";
 /// The files that every run writes into its folder beside its report; options may add others.
