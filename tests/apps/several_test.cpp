@@ -64,7 +64,8 @@ TEST_F(SeveralInputs, MapsThatShareFeaturesAreJoinedWithoutTheirValues) {
   const auto solved = report_of({"solve", first, second});
   EXPECT_NEAR(solved["chi2"], chi2, 1e-6 * chi2);
   EXPECT_GT(solved["skipped"]["initial values, each in the frame of its file"], 1000);
-  expect_failure(call({"solve", first, second, "--start", "file"}), 3, "not every pose and feature has a value to start from");
+  expect_failure(call({"solve", first, second, "--start", "file"}), 3,
+                 "not every pose and feature has a value to start from; --start composed and zero need none");
   const auto store_of = [&](const std::string& map) {
     EXPECT_EQ(call({"build", map, "-o", map + ".maps"}).exit_code, 0);
     return map + ".maps";
