@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <apps/console.hpp>
@@ -19,6 +20,14 @@ Expected<void> write_stdout(std::string_view text) {
   const int failure = write_all(STDOUT_FILENO, text);
   if (failure == 0 || failure == EPIPE) return {};
   return call_failed("standard output", failure, ErrorKind::kCannotWrite);
+}
+
+bool is_stdout(const std::filesystem::path& path) {
+  struct ::stat named {};
+  struct ::stat out {};
+  if (path == "-") return true;
+  if (::stat(path.c_str(), &named) != 0 || ::fstat(STDOUT_FILENO, &out) != 0) return false;
+  return named.st_dev == out.st_dev && named.st_ino == out.st_ino;
 }
 
 void say(const std::string& sentence) {

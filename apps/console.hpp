@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <mapjoin/model/error.hpp>
 #include <string>
@@ -14,6 +15,9 @@ namespace mapjoin::apps {
 
 /// Writes to standard output; kCannotWrite if that fails, except because the reader has gone away.
 Expected<void> write_stdout(std::string_view text);
+
+/// True if an output goes to standard output: "-", or a path that leads there, such as /dev/stdout.
+bool is_stdout(const std::filesystem::path& path);
 
 /// One sentence on standard error, after the command's name.
 void say(const std::string& sentence);

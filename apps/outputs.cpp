@@ -190,12 +190,20 @@ bool names_map_file(const fs::path& path) {
   const std::string extension = extension_of(path);
   std::error_code ignored;
   const bool is_map = extension == ".g2o" || extension == ".tum" || extension == ".csv" || extension == ".mat";
-  return is_map && !fs::is_directory(path, ignored);
+  return is_special(path) || is_stdout(path) || (is_map && !fs::is_directory(path, ignored));
 }
 
 bool goes_by_extension(const fs::path& path) {
   std::error_code ignored;
   return path.has_extension() && !is_special(path) && !fs::is_directory(path, ignored);
+}
+
+std::vector<std::string> demand_extension(const fs::path& path) {
+  std::error_code ignored;
+  if (path.empty() || path.has_extension() || names_map_file(path) || fs::is_directory(path, ignored)) {
+    return check_extension(path);
+  }
+  return {fmt::format("--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat", path.string())};
 }
 
 std::vector<std::string> check_extension(const fs::path& path, bool takes_folder) {

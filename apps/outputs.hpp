@@ -55,7 +55,8 @@ void check_writable(const NamedFiles& files);
 /// The extension of a path in lower case: .G2O is .g2o.
 std::string extension_of(const std::filesystem::path& path);
 
-/// True if a path names a map of one file: its extension is .g2o, .tum, .csv or .mat, and it is not an existing folder.
+/// True if a path names a map of one file: its extension is .g2o, .tum, .csv or .mat, and it is not an existing folder; or it
+/// is a device, a pipe or standard output.
 bool names_map_file(const std::filesystem::path& path);
 
 /// True if the extension of a path says what is to be written there: it has one, and is no existing folder, device or pipe.
@@ -64,6 +65,9 @@ bool goes_by_extension(const std::filesystem::path& path);
 /// A violation, in words: an extension that is none of those of a map. A folder, which some commands take, has no extension,
 /// ends in /, or exists already.
 std::vector<std::string> check_extension(const std::filesystem::path& path, bool takes_folder = false);
+/// Like check_extension(), for a command that takes no new name without an extension either: `mapjoin run` makes a folder of
+/// it.
+std::vector<std::string> demand_extension(const std::filesystem::path& path);
 
 inline constexpr const char* kReportOfRun = "report.json";
 /// The files that every run writes into its folder beside its report; options may add others.

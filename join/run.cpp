@@ -191,7 +191,7 @@ template <int Dim>
 Expected<void> check_start(const Log<Dim>& log, Start start) {
   const bool has_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
   if (start != Start::kFile || has_values) return {};
-  return bad_input_of(log.source, "not every pose and feature has a value to start from");
+  return bad_input_of(log.source, "not every pose and feature has a value to start from; --start composed and zero need none");
 }
 template <int Dim>
 Expected<void> check_start(const SubmapSet<Dim>& set, Start start) {

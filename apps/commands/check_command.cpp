@@ -249,6 +249,7 @@ std::string report_of(const RunReport& run_report, const Checked& checked, std::
 ExitCode check_input(const CheckOptions& options, const std::stop_token& stop) {
   CommandRun command_run("check", options, stop);
   command_run.prepare(outputs_of(options));
+  command_run.tells_of_parts = true;
   const Checked checked = command_run.with_log_or_maps(
       [&](const auto& content) { return checked_content(command_run, options.estimate, content); });
   if (!options.output.empty()) demand(write_file(options.output, misfits_as_csv(command_run.run_report)));

@@ -35,6 +35,19 @@ void demand_names(const std::string& input, const AssociationOptions& associatio
                               "within each of several stores; of one, --associate goes with `mapjoin build`");
 }
 
+/// Refuses fixes at too few poses to hold the map: it could turn about them.
+template <int Dim>
+void demand_held(const Log<Dim>& log, const GpsFixes& fixes) {
+  constexpr std::size_t kLeast = Dim == 2 ? 2 : 3;
+  std::set<PoseIndex> poses;
+  for (const PoseFactor<Dim>& prior : log.pose_priors()) poses.insert(prior.target);
+  if (poses.size() >= kLeast) return;
+  fail(
+      ErrorKind::kBadInput,
+      fmt::format("{}: has fixes at {} of {}, about which the map could turn: it takes fixes at {} different places at least{}",
+                  fixes.source, plural(poses.size(), "pose"), log.source, kLeast, Dim == 2 ? "" : ", not on one line"));
+}
+
 template <int Dim>
 Truth<Dim> truth_of(const TruthFile& file, const Log<Dim>& log) {
   return file.of(log);
@@ -180,6 +193,7 @@ template <int Dim>
 void CommandRun::attach_gps(Log<Dim>& log) {
   const GpsFixes fixes = timed(run_report.read_seconds, [&] { return read_gps_csv(options_.gps).value(); });
   const AttachedFixes attached = attach_fixes(fixes, options_.of_gps, log).value();
+  demand_held(log, fixes);
   std::vector<RejectedFix> rejected;
   if (options_.robust) {
     const Stopwatch watch(run_report.robust_seconds);
@@ -191,6 +205,7 @@ void CommandRun::attach_gps(Log<Dim>& log) {
 
 template <typename Input>
 void CommandRun::reject_outliers(Input& input) {
+  if (tells_of_parts && !check_connected(input)) return;
   const Stopwatch watch(run_report.robust_seconds);
   if (progress_.is_shown()) progress_.show("rejecting", 0, 1);
   RobustOptions robust = *options_.robust;

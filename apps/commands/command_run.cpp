@@ -46,6 +46,13 @@ Log<Dim> with_values_for_levers(Log<Dim> log, const GlobalMap<Dim>& map) {
   return log;
 }
 
+/// True if a file is the record of the associations in one of the stores that were joined.
+bool is_of_store(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs) {
+  return std::ranges::any_of(inputs, [&](const std::filesystem::path& input) {
+    return are_one_file(extra_file(Extra::kAssociations, input), file) && may_hold_maps(input);
+  });
+}
+
 }  // namespace
 
 CommandRun::CommandRun(const std::string& command, const Options& options, std::stop_token stop)
@@ -116,6 +123,7 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
 void CommandRun::say_what_is_left() {
   progress_.close();
   for (const std::filesystem::path& file : extra_files_left(options_.output, run_report.files)) {
+    if (is_of_store(file, inputs())) continue;
     say(file.string() + ": was there before, and this call did not write it; unless it is of a map that you keep, remove it");
   }
 }
@@ -168,7 +176,7 @@ void CommandRun::tell(const std::string& json, const std::string& text) {
   progress_.close();
   if (options_.report_on_stdout()) return demand(write_stdout(json));
   if (!options_.report.empty()) demand(write_file(options_.report, json));
-  if (!options_.quiet) demand(write_stdout(text));
+  if (options_.has_summary()) demand(write_stdout(text));
 }
 
 ExitCode CommandRun::conclude() {

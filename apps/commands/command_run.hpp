@@ -98,8 +98,8 @@ class CommandRun {
   Expected<void> write_extra(Extra extra, const RunResult<Dim>& result, const Log<Dim>* log,
                              const std::filesystem::path& file) const;
 
-  /// Writes the outcome: `json` for programs if a report is asked for, `text` for people on standard output, unless the report
-  /// goes there or --quiet is given.
+  /// Writes the outcome: `json` for programs if a report is asked for, `text` for people on standard output, if there is a
+  /// summary.
   void tell(const std::string& json, const std::string& text);
   /// Tells report and summary; the exit code of how the work ended.
   ExitCode conclude();
@@ -107,6 +107,8 @@ class CommandRun {
   void hand_over(const StudyOutput& output, std::optional<OutputFolder>& folder);
 
   RunReport run_report;
+  /// True if the command tells of parts that nothing ties itself: --robust leaves them as they are, and is no error.
+  bool tells_of_parts = false;
 
  private:
   /// Finds out which features are the same; kUsage for a store if names are not to hold, by which its local maps were built.
@@ -122,12 +124,14 @@ class CommandRun {
   /// Like demand_truth(), but with --parts all only says that the truth has nothing of a part, which is then not measured.
   template <typename Data>
   void settle_truth(const Data& data);
-  /// Says which files beside a map of one file were there before. They may belong to the user: none is removed.
+  /// Says which files beside a map of one file were there before, but for records of the stores that were joined. They may
+  /// belong to the user: none is removed.
   void say_what_is_left();
   /// Turns the fixes of --gps into priors of a log, except those that --robust rejects.
   template <int Dim>
   void attach_gps(Log<Dim>& log);
-  /// Leaves out what --robust rejects in a log or a set of local maps; kUsage for a store, whose maps are built already.
+  /// Leaves out what --robust rejects in a log or a set of local maps; kUsage for a store, whose maps are built already. Bad
+  /// input in parts that nothing ties, unless the command tells of them.
   template <typename Input>
   void reject_outliers(Input& input);
   template <int Dim>

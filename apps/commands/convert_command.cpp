@@ -115,8 +115,12 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, const StoredM
   const auto* format = std::get_if<LocalMapFormat>(&asked);
   if (!format) fail(ErrorKind::kUsage, options.input.string() + ": it is a store");
   if (maps.size() < stored.segments.size()) {
-    fail(ErrorKind::kUsage, fmt::format("{}: {} of its {} segments are not local maps, but observations",
-                                        options.input.string(), stored.segments.size() - maps.size(), stored.segments.size()));
+    const std::size_t raw = stored.segments.size() - maps.size();
+    fail(ErrorKind::kUsage,
+         fmt::format("{}: {} of its {} {}, but observations, for which these files have no place: `mapjoin build "
+                     "--poses-per-map N` with another N may cut the log without any",
+                     options.input.string(), raw, plural(stored.segments.size(), "segment"),
+                     raw == 1 ? "is not a local map" : "are not local maps"));
   }
   const bool are_named = are_counted(log.poses) && maps.size() + 1 == log.poses.size();
   Losses lost = write_maps(maps, log.features, *format, are_named, options.output);

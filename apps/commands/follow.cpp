@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <apps/commands/follow.hpp>
+#include <apps/console.hpp>
 #include <apps/report/json.hpp>
 #include <cerrno>
 #include <chrono>
@@ -93,9 +94,9 @@ class StepReport {
   /// Opens `path`, as of FollowOptions::steps; kCannotWrite if the file cannot be made. It grows line by line, for others to
   /// follow.
   StepReport(const std::filesystem::path& path, bool quiet)
-      : path_(path == "-" ? "standard output" : path), is_shown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
-    if (path == "-") file_ = File(stdout, [](std::FILE*) { return 0; });
-    if (path == "-" || path.empty()) return;
+      : path_(is_stdout(path) ? "standard output" : path), is_shown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
+    if (is_stdout(path)) file_ = File(stdout, [](std::FILE*) { return 0; });
+    if (is_stdout(path) || path.empty()) return;
     file_ = File(std::fopen(path.c_str(), "we"), std::fclose);
     if (!file_) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
   }
@@ -270,7 +271,7 @@ std::vector<std::string> check_following(const Subcommand& command, const Option
   if (following.wanted && options.association) {
     violations.emplace_back("--follow goes by the ids of features, which --associate ignores");
   }
-  if (following.steps == "-" && options.report_on_stdout()) {
+  if (is_stdout(following.steps) && options.report_on_stdout()) {
     violations.emplace_back("--steps and --report cannot both go to standard output");
   }
   return violations;

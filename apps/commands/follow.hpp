@@ -16,7 +16,7 @@ namespace mapjoin::apps {
 struct FollowOptions {
   bool wanted = false;
   double idle_seconds = 5.0;    ///< Time without growth after which the log is complete (s).
-  std::filesystem::path steps;  ///< File for a line of JSON per added map; empty: none; "-": standard output.
+  std::filesystem::path steps;  ///< File for a line of JSON per added map; empty: none; by is_stdout() standard output.
 };
 
 /// --follow, --idle, --steps

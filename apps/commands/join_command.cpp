@@ -3,6 +3,7 @@
 
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
+#include <mapjoin/check/ties.hpp>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -19,10 +20,18 @@ void join_any(CommandRun& command_run, SubmapSet<Dim> set) {
   command_run.write_map(result, static_cast<const Log<Dim>*>(nullptr));
 }
 
+/// Refuses the logs of several stores that nothing ties, with what ties stores; what is unsound in a log is told by the join.
+template <int Dim>
+void demand_tied(const std::string& input, const Log<Dim>& log) {
+  const std::string advice = log.features.empty() ? "" : "; --features own --associate ties stores by features that they share";
+  if (check_invariants(log)) demand(check_tied({input, log.poses, log.features}, ties_of(log), advice));
+}
+
 /// Joins the maps of a store; errors in its log are told of the store.
 template <int Dim>
 void join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
   const auto& log = stored.log;
+  demand_tied(command_run.run_report.input, log);
   const Split parts = split_along(log, stored.segments);
   const auto of_store = [&](const Error& error) {
     return Error{error.kind, command_run.run_report.input + ": " + error.message};

@@ -3,6 +3,7 @@
 // The options that several subcommands share.
 
 #include <apps/commands/subcommand.hpp>
+#include <apps/console.hpp>
 #include <filesystem>
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/io/merged_logs.hpp>
@@ -48,10 +49,12 @@ struct Options {
   std::filesystem::path truth;                     ///< File of the truth; empty: none.
   double most_memory_mb = 0.0;                     ///< Bound on the memory of covariances (MB); 0: what the machine has.
   int jobs = 0;                                    ///< Number of threads; 0: one per processor.
-  std::filesystem::path report;                    ///< File of the report; empty: none; "-": standard output.
+  std::filesystem::path report;                    ///< File of the report; empty: none; by is_stdout() standard output.
   bool quiet = false;
 
-  bool report_on_stdout() const { return report == "-"; }
+  bool report_on_stdout() const { return is_stdout(report); }
+  /// True if there is a summary: with --quiet, and beside a report or an output on standard output, there is none.
+  bool has_summary() const { return !quiet && !report_on_stdout() && !is_stdout(output); }
 };
 
 /// Help text of an argument LOG (see open_log()).

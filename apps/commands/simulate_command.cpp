@@ -33,6 +33,11 @@ NamedFiles outputs_of(const SimulateOptions& options) {
   return files;
 }
 
+/// True if there is a summary: with --quiet, and beside an output on standard output, there is none.
+bool has_summary(const SimulateOptions& options) {
+  return !options.quiet && !is_stdout(options.log) && !is_stdout(options.truth);
+}
+
 template <int Dim>
 ExitCode simulate_in(const SimulateOptions& options, const std::stop_token& stop) {
   check_writable(outputs_of(options));
@@ -47,7 +52,7 @@ ExitCode simulate_in(const SimulateOptions& options, const std::stop_token& stop
     demand(write_map_file(simulation.truth, static_cast<const Log<Dim>*>(nullptr), options.truth));
     for (const auto& file : map_files(options.truth)) lines.add("truth", file.string());
   }
-  if (!options.quiet) demand(write_stdout(lines.text()));
+  if (has_summary(options)) demand(write_stdout(lines.text()));
   return ExitCode::kDone;
 }
 

@@ -10,12 +10,14 @@ namespace mapjoin::apps {
 
 namespace {
 
-/// Refuses what names no file or folder: the empty word and, unless it stands for standard output, the word -.
-CLI::Validator names_path(bool takes_dash = false) {
-  const auto fault = [takes_dash](const std::string& word) -> std::string {
+/// Refuses what names no file or folder of this kind: the empty word and, unless it stands for standard output, the word -.
+CLI::Validator names_path(const std::string& kind = "") {
+  const auto fault = [kind](const std::string& word) -> std::string {
     if (word.empty()) return "is empty";
-    if (word != "-" || takes_dash) return "";
-    return "is -, which stands for no stream here: name /dev/stdin or /dev/stdout, or ./- for a file of that name";
+    if (word != "-" || kind.ends_with("|-")) return "";
+    return std::string("is -, which stands for no stream here: ") +
+           (kind == "DIR" ? "name a folder, ./- if that is its name"
+                          : "name /dev/stdin or /dev/stdout, or ./- for a file of that name");
   };
   return CLI::Validator(fault, "");
 }
@@ -78,8 +80,7 @@ void Subcommand::refusal(const std::string& name, bool& value, const std::string
 
 void Subcommand::path(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help,
                       bool is_required) {
-  const CLI::Validator valid = names_path(kind.ends_with("|-"));
-  grouped(*app_->add_option(names, value, help)->required(is_required)->check(valid)->type_name(kind));
+  grouped(*app_->add_option(names, value, help)->required(is_required)->check(names_path(kind))->type_name(kind));
 }
 
 void Subcommand::option(const std::string& name, const std::string& kind, const std::string& help, Take take) {

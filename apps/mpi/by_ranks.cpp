@@ -36,8 +36,7 @@ std::string effort_in_words(const Communicator& comm) {
 
 ExitCode conclude(CommandRun& command_run, const std::string& effort) {
   const ExitCode code = command_run.conclude();
-  const Options& options = command_run.options();
-  if (!options.quiet && !options.report_on_stdout()) demand(write_stdout(effort));
+  if (command_run.options().has_summary()) demand(write_stdout(effort));
   return code;
 }
 

@@ -25,7 +25,7 @@ void declare_mpi_join(Subcommand& command) {
   command.further(options->further, "The stores of the other parts of the same log");
   command.path("-o,--output", options->output, "MAP", kMapFile);
   add_way_of_ranks(command, *options);
-  command.check([options] { return check_extension(options->output); });
+  command.check([options] { return demand_extension(options->output); });
   command.check([options] { return output_conflicts(inputs_of(*options, "STORE"), outputs_of_map(*options)); });
   command.act([options](const std::stop_token&) { return join_stores(*options); });
 }

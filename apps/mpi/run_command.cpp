@@ -28,7 +28,7 @@ void declare_mpi_run(Subcommand& command) {
   add_splitting(command, *options);
   add_reading(command, *options);
   add_way_of_ranks(command, *options);
-  command.check([options] { return check_extension(options->output); });
+  command.check([options] { return demand_extension(options->output); });
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG"), outputs_of_map(*options)); });
   command.check([options] { return store_conflicts(*options, "--checkpoint"); });
   command.act([options](const std::stop_token&) { return run_log(*options); });

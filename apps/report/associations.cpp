@@ -23,6 +23,7 @@ std::size_t seen_once(const std::map<FeatureId, std::size_t>& sightings) {
 }  // namespace
 
 std::string associated_in_words(const RunReport& run_report) {
+  if (run_report.associations.empty()) return "nothing: there are no features";
   const auto features = sightings_of_features(run_report);
   return fmt::format("{} of {}, {} of them seen once, with a confidence of {}",
                      plural(run_report.associations.size(), "sighting"), plural(features.size(), "feature"),

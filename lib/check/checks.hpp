@@ -67,7 +67,7 @@ std::string repeated_steps_in_words(std::size_t steps);
 /// Checks the structure of a log or a set of maps:
 /// - `unsound` (error): the fault that check_invariants() finds in a log, whose other checks then find nothing.
 /// - `unobserved` (error): features that are declared, but never observed.
-/// - `parts` (error): several components that nothing ties together.
+/// - `parts` (error): several components that nothing ties together, or poses and no edges at all.
 /// - `loose_body` (error), `weak_body` (warning): poses that only features tie to the others: fewer than Dim, which it takes to
 ///   hold them, or just as many.
 /// - `weak_link`, `weak_feature` (warnings): see check/weak_links.hpp.

@@ -50,6 +50,7 @@ Expected<void> check_connected(const LogOrSet& tied) {
   };
   if constexpr (kIsLog) {
     if (auto sound = check_invariants(tied); !sound) return sound;
+    if (has_values_only(tied)) return bad_input_of(tied.source, kValuesOnly);
   }
   const Names names{tied.source, tied.poses, tied.features};
   const std::vector<Edge> ties = ties_of(tied);

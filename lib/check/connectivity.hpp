@@ -8,9 +8,9 @@
 
 namespace mapjoin {
 
-/// kBadInput if there are no poses, if check_invariants() finds a fault in a log, if a feature is never observed, or if there
-/// is more than one component, named by a pose or feature of each of the first few. The World ties together all that it fixes
-/// or has priors for.
+/// kBadInput if there are no poses, if check_invariants() finds a fault in a log, if it has poses and no edges, if a feature is
+/// never observed, or if there is more than one component, named by a pose or feature of each of the first few. The World ties
+/// together all that it fixes or has priors for.
 template <typename LogOrSet>
 Expected<void> check_connected(const LogOrSet& tied);
 

@@ -181,6 +181,7 @@ std::string repeated_steps_in_words(std::size_t steps) {
 template <int Dim>
 Findings check_structure(const Log<Dim>& log) {
   if (const auto sound = check_invariants(log); !sound) return {{FindingLevel::kError, "unsound", sound.error().message, {}}};
+  if (has_values_only(log)) return {{FindingLevel::kError, "parts", kValuesOnly, {}}};
   Findings findings = check_ties<Dim>(log);
   check_stamps(log, findings);
   Places breaks;

@@ -2,6 +2,7 @@
 #pragma once
 // Logs and sets of maps as graphs: the ties between poses, features and the World.
 
+#include <algorithm>
 #include <cstddef>
 #include <mapjoin/graph/graph.hpp>
 #include <mapjoin/model/error.hpp>
@@ -64,6 +65,18 @@ std::vector<Edge> ties_of(const Tied& tied) {
   for_each_tie(tied, [&](std::size_t a, std::size_t b) { ties.emplace_back(static_cast<Vertex>(a), static_cast<Vertex>(b)); });
   return ties;
 }
+
+/// True if a log has poses, not all of them fixed, but nothing that measures any, as a trajectory or a table of poses has.
+template <int Dim>
+bool has_values_only(const Log<Dim>& log) {
+  const auto& graph = log.graph;
+  return log.poses.size() > std::max(graph.fixed.size(), std::size_t{1}) && graph.pose_factors.empty() &&
+         graph.feature_factors.empty();
+}
+/// What is said of such a log.
+inline constexpr const char* kValuesOnly =
+    "has poses, but no edges: a trajectory or a map without them, not a log; `mapjoin plot`, `mapjoin convert` and `mapjoin "
+    "error` take it";
 
 /// The names in a log or a set of maps, or in one that is spread over ranks.
 struct Names {

@@ -19,10 +19,11 @@ namespace {
 template <int Dim>
 using PoseOf = std::vector<IndexOf<PoseIndex, PoseId>>;
 
-/// The pose that log `own` means by a name: its own, otherwise that of another log; bad input if none or several have it.
+/// The pose that an edge in log `own` means by a name: its own, otherwise that of another log; bad input if none or several
+/// have it.
 template <int Dim>
-Expected<PoseId> meant(const PoseId& name, std::size_t own, const std::vector<Log<Dim>>& logs, const PoseOf<Dim>& pose_of,
-                       const std::vector<std::uint32_t>& first) {
+Expected<PoseId> meant(const PoseId& name, const NamedEdge<Dim>& edge, std::size_t own, const std::vector<Log<Dim>>& logs,
+                       const PoseOf<Dim>& pose_of, const std::vector<std::uint32_t>& first) {
   if (pose_of[own](name)) return PoseId{first[own] + name.session, name.key};
   std::vector<std::size_t> owners;
   for (std::size_t k = 0; k < logs.size(); ++k) {
@@ -31,11 +32,10 @@ Expected<PoseId> meant(const PoseId& name, std::size_t own, const std::vector<Lo
   if (owners.size() == 1) return PoseId{first[owners.front()] + name.session, name.key};
   std::vector<std::string> sources;
   for (const std::size_t k : owners) sources.push_back(logs[k].source);
-  return bad_input(owners.empty() ? fmt::format("{}: an edge names {}, which no log declares; give the log that does, too, or "
-                                                "--skip-undeclared",
-                                                logs[own].source, to_string(name))
-                                  : fmt::format("{}: an edge names {}, which several other logs declare: {}", logs[own].source,
-                                                to_string(name), fmt::join(sources, ", ")));
+  const std::string named = fmt::format("{}: the edge from {} to {} names {}", logs[own].source, to_string(edge.base),
+                                        to_string(edge.target), to_string(name));
+  return bad_input(owners.empty() ? named + ", which no log declares; give the log that does, too, or --skip-undeclared"
+                                  : fmt::format("{}, which several other logs declare: {}", named, fmt::join(sources, ", ")));
 }
 
 template <int Dim>
@@ -55,8 +55,8 @@ class Ties {
   Expected<void> take(std::size_t log, bool keep_copies) {
     const std::size_t before = edges_.size();
     for (const NamedEdge<Dim>& foreign : logs_[log].foreign) {
-      const auto base = meant<Dim>(foreign.base, log, logs_, pose_of_, first_);
-      const auto target = meant<Dim>(foreign.target, log, logs_, pose_of_, first_);
+      const auto base = meant<Dim>(foreign.base, foreign, log, logs_, pose_of_, first_);
+      const auto target = meant<Dim>(foreign.target, foreign, log, logs_, pose_of_, first_);
       if (!base || !target) return tl::unexpected(base ? target.error() : base.error());
       const NamedEdge<Dim> edge{*base, *target, foreign.measured, foreign.information};
       if (!keep_copies && is_copy(edge, before)) {

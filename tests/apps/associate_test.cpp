@@ -109,6 +109,13 @@ TEST_F(AssociateCommandTest, GoesWithBuildNotWithTheJoinOfAStore) {
   EXPECT_THAT(refused.err, HasSubstr("--associate goes with `mapjoin build`"));
 }
 
+TEST_F(AssociateCommandTest, TheRecordBesideAStoreIsNotLeftOverWhenThatIsJoined) {
+  const std::string small = folder.file("small.g2o", kSmallLog).string();
+  ASSERT_EQ(call({"build", small, "--associate", "--quiet", "-o", file("town.maps")}).exit_code, 0);
+  EXPECT_EQ(call({"join", file("town.maps"), "--quiet", "-o", file("town.g2o")}).err, "");
+  EXPECT_THAT(call({"solve", small, "--quiet", "-o", file("town.g2o")}).err, HasSubstr("associations.csv: was there before"));
+}
+
 TEST_F(AssociateCommandTest, SaysThatPartsWithoutFeaturesStayApart) {
   const std::string edge = " 1 0 0 1 0 0 1 0 1\n";
   const auto parts = folder.file("parts.g2o", "EDGE_SE2 0 1" + edge + "EDGE_SE2 1 2" + edge + "EDGE_SE2 5 6" + edge).string();
@@ -127,6 +134,13 @@ TEST_F(AssociateCommandTest, TellsOfTheLargestPartWhereThatIsTaken) {
   EXPECT_EQ(report["association"]["features"], report["features"]);
   const std::string lines = content_of(folder.path() / "result" / "associations.csv");
   EXPECT_EQ(std::ranges::count(lines, '\n'), 1 + report["observations"].get<int>());
+}
+
+TEST_F(AssociateCommandTest, SaysThatThereIsNothingToAssociate) {
+  const auto edges = folder.file("edges.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n").string();
+  const Ended ended = call({"run", edges, "--associate"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("associated   nothing: there are no features\n"));
 }
 
 TEST_F(AssociateCommandTest, RefusesWhatMeansNothing) {

@@ -136,6 +136,27 @@ TEST(Check, ReportsALogThatFallsApartInsteadOfRefusingIt) {
   EXPECT_EQ(finding(report, "undetermined"), nullptr) << "nothing is joined";
 }
 
+TEST(Check, ReportsALogThatFallsApartWithRobustToo) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 8 9 1 0 0 1 0 0 1 0 1\n");
+  const json report = checked({log.string(), "--robust"}, 1);
+  EXPECT_EQ(finding(report, "parts")["where"], json({"pose 0", "pose 8"}));
+  EXPECT_EQ(report["robust"], nullptr) << "nothing is judged";
+}
+
+TEST(Check, SaysThatATrajectoryIsNoLog) {
+  const TemporaryFolder folder;
+  const std::string poses = folder.file("poses.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n").string();
+  const std::string said = "has poses, but no edges: a trajectory or a map without them, not a log; `mapjoin plot`, ";
+  EXPECT_THAT(finding(checked({poses}, 1), "parts")["text"].get<std::string>(), HasSubstr(said));
+  for (const auto& words : std::vector<std::vector<std::string>>{{"run", poses},
+                                                                 {"solve", poses},
+                                                                 {"covariance", poses, "0"},
+                                                                 {"build", poses, "-o", (folder.path() / "maps").string()}}) {
+    expect_failure(call(words), 3, said);
+  }
+}
+
 TEST(Check, ReportsWhatTheNumbersLeaveUndetermined) {
   const TemporaryFolder folder;
   const auto log = folder.file("log.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 0\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n");

@@ -93,6 +93,15 @@ TEST_F(ConvertTest, RefusesWhatCannotBe) {
   EXPECT_EQ(call({"convert", town, path("no/such/log.g2o")}).exit_code, 5);
 }
 
+TEST_F(ConvertTest, SegmentsThatAreNoLocalMapsAreCounted) {
+  const std::string log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 2 3 1 0 0 1 0 0 1 0 1\n").string();
+  for (const auto& [length, said] : {std::pair("2", "1 of its 2 segments is not a local map, but"),
+                                     std::pair("1", "3 of its 3 segments are not local maps, but")}) {
+    ASSERT_EQ(call({"build", log, "-o", path(length), "--poses-per-map", length}).exit_code, 0);
+    expect_failure(call({"convert", path(length), path("set"), "--to", "maps-mat"}), 2, said);
+  }
+}
+
 TEST_F(ConvertTest, TrajectoriesAreTruthInEitherFormat) {
   const std::string truth = kBundledTruth;
   ASSERT_EQ(call({"convert", truth, path("truth.kitti")}).exit_code, 0);

@@ -187,6 +187,8 @@ TEST(Usage, ADashIsStandardOutputOrRefused) {
   expect_failure(call({"check", "log", "-"}), 2, "FURTHER: " + refused);
   expect_failure(call({"solve", "log", "-o", "-"}), 2, "--output: " + refused);
   expect_failure(call({"convert", "log", "-", "--to", "isam"}), 2, "OUT: " + refused);
+  expect_failure(call({"run", "log", "-o", "-"}), 2, "--output: " + refused);
+  expect_failure(call({"compare", "log", "-o", "-"}), 2, "--output: is -, which stands for no stream here: name a folder");
 }
 
 TEST(Errors, ARemedyThatACommandLacksIsOfferedWithTheCommandThatHasIt) {

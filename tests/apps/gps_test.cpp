@@ -123,6 +123,14 @@ TEST_F(GpsCommand, AFixThatIsOutOfLineIsNamedByItsLine) {
   EXPECT_EQ(report_of(command("run", {}))["misfits"][0]["lines"], nlohmann::json::array({3}));
 }
 
+TEST_F(GpsCommand, FixesAtTooFewPosesAreNamedByTheirFile) {
+  const auto first = lines_of(bytes_of(fixes));
+  const auto lone = folder.file("lone.csv", first[0] + "\n" + first[1] + "\n" + first[1] + "\n").string();
+  expect_failure(call({"run", log, "--gps", lone}), 3,
+                 "lone.csv: has fixes at 1 pose of " + log +
+                     ", about which the map could turn: it takes fixes at 2 different places at least");
+}
+
 TEST_F(GpsCommand, SaysWhatDoesNotGoTogether) {
   EXPECT_THAT(call({"run", log, "--gps-lever", "1,2"}).err, HasSubstr("--gps-lever is of --gps"));
   EXPECT_THAT(call({"run", log, "--gps", fixes, "--gps-lever", "1"}).err, HasSubstr("not two or three numbers"));

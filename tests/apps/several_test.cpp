@@ -64,7 +64,8 @@ TEST_F(SeveralInputs, MapsThatShareFeaturesAreJoinedWithoutTheirValues) {
   const auto solved = report_of({"solve", first, second});
   EXPECT_NEAR(solved["chi2"], chi2, 1e-6 * chi2);
   EXPECT_GT(solved["skipped"]["initial values, each in the frame of its file"], 1000);
-  expect_failure(call({"solve", first, second, "--start", "file"}), 3, "not every pose and feature has a value to start from");
+  expect_failure(call({"solve", first, second, "--start", "file"}), 3,
+                 "not every pose and feature has a value to start from; --start composed and zero need none");
   const auto store_of = [&](const std::string& map) {
     EXPECT_EQ(call({"build", map, "-o", map + ".maps"}).exit_code, 0);
     return map + ".maps";
@@ -196,6 +197,19 @@ TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {
   EXPECT_EQ(apart.exit_code, 3);
   EXPECT_THAT(apart.err, HasSubstr("nothing ties its 2 parts together"));
   EXPECT_THAT(apart.err, HasSubstr("--associate ties them by features that they share"));
+}
+
+TEST_F(SeveralInputs, StoresThatNothingTiesAreRefusedWithWhatTiesStores) {
+  std::vector<std::string> join = {"join"};
+  for (const std::string feature : {"7", "8"}) {
+    const std::string see = "EDGE_SE2_XY 0 " + feature + " 2 1 1 0 1\n";
+    const std::string log = folder.file(feature + ".g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n" + see).string();
+    join.push_back((folder.path() / (feature + ".maps")).string());
+    ASSERT_EQ(call({"build", log, "-o", join.back()}).exit_code, 0);
+  }
+  const Ended apart = call(join);
+  expect_failure(apart, 3, join[1] + " + " + join[2] + ": nothing ties its 2 parts together; they hold pose 0, pose 0 of ");
+  EXPECT_THAT(apart.err, ::testing::EndsWith("; --features own --associate ties stores by features that they share\n"));
 }
 
 TEST_F(SeveralInputs, FeaturesOfTheirOwnAreFoundToBeTheSame) {

@@ -213,7 +213,10 @@ TEST_F(RunOnRanks, RefusesMoreRanksThanTheLogIsWorth) {
   std::ofstream(path("small.g2o")) << kSmallLog;
   const Ended ended = call_ranks(2, {"run", path("small.g2o")});
   EXPECT_EQ(ended.exit_code, 2);
-  EXPECT_THAT(ended.err, HasSubstr("3 poses are too few for 2 ranks"));
+  EXPECT_THAT(ended.err,
+              HasSubstr("3 poses are too few for 2 ranks: take fewer, or `mapjoin run` or, of stores, `mapjoin join`"));
+  EXPECT_THAT(call_ranks(1, {"run", path("small.g2o")}).err,
+              HasSubstr("3 poses are too few for 1 rank: take `mapjoin run` or"));
   const Ended regions = call_ranks(1, {"run", bundled("manhattan2d.g2o"), "--regions", "1000"});
   EXPECT_EQ(regions.exit_code, 2);
   EXPECT_THAT(regions.err, HasSubstr("are too few for 1 rank of 1000 regions"));
@@ -256,6 +259,15 @@ TEST_F(RunOnRanks, TakesALogOfWhichARankHasVerticesOfFeaturesAlone) {
   const auto four = report_of_ranks(4, {"run", path("seen.g2o")});
   EXPECT_NEAR(four["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>());
   EXPECT_EQ(four["dof"], one["dof"]);
+}
+
+TEST_F(RunOnRanks, WantsAnExtensionOfTheMap) {
+  for (const char* name : {"map", "map.txt"}) {
+    const Ended ended = call_ranks(2, {"run", bundled("manhattan2d.g2o"), "-o", path(name)});
+    EXPECT_EQ(ended.exit_code, 2) << name;
+    EXPECT_THAT(ended.err, HasSubstr(path(name) + " has none of the extensions of a map, .g2o, .tum, .csv and .mat"));
+    EXPECT_FALSE(std::filesystem::exists(path(name)));
+  }
 }
 
 TEST_F(RunOnRanks, WantsAFolderForTheFactor) {

@@ -42,9 +42,11 @@ Expected<void> check_worth_it(const Communicator& comm, const std::string& sourc
   if (poses.empty()) return bad_input(source + ": the log has no poses");
   if (poses.size() >= kLeastPoses * regions * static_cast<std::size_t>(comm.size())) return {};
   const std::string of_regions = regions > 1 ? " of " + plural(regions, "region") : "";
+  const std::string fewer = regions > 1 || comm.size() > 1 ? "take fewer, or " : "take ";
   return tl::unexpected(
-      Error{ErrorKind::kUsage, fmt::format("{}: {} are too few for {}{}: take fewer, or one process without MPI", source,
-                                           plural(poses.size(), "pose"), plural(comm.size(), "rank"), of_regions)});
+      Error{ErrorKind::kUsage, fmt::format("{}: {} for {}{}: {}`mapjoin run` or, of stores, `mapjoin join`", source,
+                                           plural(poses.size(), "pose is too few", "poses are too few"),
+                                           plural(comm.size(), "rank"), of_regions, fewer)});
 }
 
 template <int Dim>

@@ -8,6 +8,7 @@
 #include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/model/log_builder.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,9 +31,9 @@ bool has_poses(const std::vector<std::string>& columns) {
   return has_column(columns, "pose") && std::search(columns.begin(), columns.end(), pose.begin(), pose.end()) != columns.end();
 }
 
-/// Reads a line; at the column x it reads the whole pose.
+/// Reads a line, which must be the first one of its pose, unlike those `known`; at the column x it reads the whole pose.
 template <int Dim>
-void read_row(const std::vector<std::string>& columns, TextScanner& text, GlobalMap<Dim>& table) {
+void read_row(const std::vector<std::string>& columns, TextScanner& text, GlobalMap<Dim>& table, std::set<PoseId>& known) {
   static const std::vector<std::string> kBehindX = {"y", "z", "phi", "qx", "qy", "qz", "qw"};
   PoseId id;
   for (const std::string& column : columns) {
@@ -49,6 +50,8 @@ void read_row(const std::vector<std::string>& columns, TextScanner& text, Global
     }
   }
   table.pose_ids.push_back(id);
+  known.insert(known.end(), id);
+  if (known.size() < table.pose_ids.size()) text.reject(to_string(id) + " has a line before this one");
 }
 
 template <int Dim>
@@ -79,7 +82,8 @@ Expected<GlobalMap<Dim>> read_pose_table(std::string_view bytes, const std::stri
   TextScanner text(file, blanks);
   text.next_line();
   GlobalMap<Dim> table;
-  return text.each_line([&] { read_row(columns, text, table); }).map([&] { return std::move(table); });
+  std::set<PoseId> known;
+  return text.each_line([&] { read_row(columns, text, table, known); }).map([&] { return std::move(table); });
 }
 
 Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions&) {

@@ -30,11 +30,11 @@ bool is_pose_csv(std::string_view bytes);
 /// The poses of a table that write_csv() could have written, in its order and under their ids, with their time stamps if there
 /// are any. The header names the columns: `pose`, `x`, `y`, then `phi` in the plane or `z`, `qx`, `qy`, `qz`, `qw` in space;
 /// `session` and `stamp_ns` are optional, and any other column is passed over. Bad input, with its place: a missing column or
-/// number.
+/// number, a second line of a pose.
 template <int Dim>
 Expected<GlobalMap<Dim>> read_pose_table(std::string_view bytes, const std::string& file);
 
-/// The poses of read_pose_table() as a log, in the dimension of the header. Bad input, too, if a pose has two lines.
+/// The poses of read_pose_table() as a log, in the dimension of the header.
 Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions& options);
 
 }  // namespace mapjoin

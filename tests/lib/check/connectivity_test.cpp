@@ -76,11 +76,21 @@ TYPED_TEST(ConnectivityTest, NamesOnePoseOfEachPart) {
 }
 
 TYPED_TEST(ConnectivityTest, NamesTheFirstFewOfManyParts) {
-  EXPECT_THAT(this->complaint(this->bare(6, 0)), AllOf(HasSubstr("6 parts"), HasSubstr("pose 10, pose 11, pose 12, …")));
+  auto log = this->bare(7, 0);
+  log.graph.pose_factors = {{0, 1, {}, {}}};
+  EXPECT_THAT(this->complaint(log), AllOf(HasSubstr("6 parts"), HasSubstr("pose 10, pose 12, pose 13, …")));
+}
+
+TYPED_TEST(ConnectivityTest, PosesWithoutEdgesAreNoLog) {
+  auto log = this->bare(6, 1);
+  EXPECT_THAT(this->complaint(log), HasSubstr("robot.g2o: has poses, but no edges"));
+  log.graph.fixed = {{0, {}}};
+  EXPECT_THAT(this->complaint(log), HasSubstr("robot.g2o: has poses, but no edges"));
 }
 
 TYPED_TEST(ConnectivityTest, TheWorldTiesWhatItFixes) {
-  auto log = this->bare(2, 0);
+  auto log = this->bare(3, 0);
+  log.graph.pose_factors = {{1, 2, {}, {}}};
   log.graph.fixed = {{0, {}}};
   EXPECT_THAT(this->complaint(log), HasSubstr("they hold pose 10, pose 11"));
   log.graph.fixed = {{0, {}}, {1, {}}};

@@ -81,8 +81,10 @@ TEST(MergedLogs, NameAnEdgeToAPoseThatNoLogOrSeveralDeclare) {
   const auto a = log_of("a", vertices(0, 2) + edge(0, 1) + edge(1, 100));
   const auto b = log_of("b", vertices(100, 2) + edge(100, 101));
   EXPECT_THAT(merged<2>({a, log_of("b", vertices(200, 2) + edge(200, 201))}).error().message,
-              HasSubstr("a: an edge names pose 100, which no log declares; give the log that does, too, or --skip-undeclared"));
-  EXPECT_EQ(merged<2>({a, b, b}).error().message, "a: an edge names pose 100, which several other logs declare: b, b");
+              HasSubstr("a: the edge from pose 1 to pose 100 names pose 100, which no log declares; give the log that does, "
+                        "too, or --skip-undeclared"));
+  EXPECT_EQ(merged<2>({a, b, b}).error().message,
+            "a: the edge from pose 1 to pose 100 names pose 100, which several other logs declare: b, b");
 }
 
 TEST(MergedLogs, TheFirstThatFixesPosesHoldsTheMap) {

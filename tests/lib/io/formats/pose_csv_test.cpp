@@ -53,7 +53,7 @@ TEST(PoseCsv, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(message("pose,x,y,phi\n1,,3,0\n"), EndsWith(":2:3: '(empty)' stands where a number is expected"));
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3,\r\n"), EndsWith(":2:7: '(empty)' stands where a number is expected"));
   EXPECT_THAT(message("session,pose,x,y,phi\n4294967296,1,2,3,0\n"), EndsWith(":2:1: a session is a number below 2^32"));
-  EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n1,2,3,0\n"), EndsWith("pose 1 has two initial values"));
+  EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n1,2,3,0\n"), EndsWith("map.csv:3:7: pose 1 has a line before this one"));
 }
 
 TEST(PoseCsv, BlanksAroundTheNamesOfColumnsDoNotCount) {

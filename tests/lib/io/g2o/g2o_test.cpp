@@ -224,6 +224,15 @@ TEST(G2o, RefusesAnObservationThatLeavesTheRangeOfNumbersInTheFrameOfItsPose) {
 
 TEST(G2o, RefusesAQuaternionThatIsNone) {
   EXPECT_EQ(message("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 0"), "some.g2o:1:31: the four numbers up to here are not a unit quaternion");
+  EXPECT_EQ(message("VERTEX_SE3:QUAT 0 0 0 0 0.1 0.1 0.1 0.1"),
+            "some.g2o:1:37: the four numbers up to here are not a unit quaternion");
+}
+
+TEST(G2o, BringsAQuaternionOfALengthFromAHalfToTwoToUnitLength) {
+  for (const char* w : {"0.5", "2"}) {
+    const auto log = read_as<3>(std::string("VERTEX_SE3:QUAT 0 1 2 3 0 0 0 ") + w + "\n");
+    EXPECT_EQ(log.initial.poses.at(0).rotation.quaternion().w(), 1.0) << w;
+  }
 }
 
 TEST(G2o, RefusesAFileWithoutPoses) {
