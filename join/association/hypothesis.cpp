@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mapjoin/join/association/hypothesis.hpp>
 #include <numbers>
+#include <numeric>
 
 namespace mapjoin {
 namespace {
@@ -13,7 +15,7 @@ template <int Dim>
 double gain(const Point<Dim>& difference, const PointMatrix<Dim>& S, double d2, double log_determinant,
             const NeighbourDensity<Dim>& density) {
   const double log_likelihood = -0.5 * (d2 + log_determinant + Dim * std::log(2.0 * std::numbers::pi));
-  return log_likelihood - density.log_within(std::sqrt(difference.squaredNorm() + S.trace()));
+  return log_likelihood - density.log_within(difference.squaredNorm(), S.trace() / Dim);
 }
 
 /// The logarithm of the determinant of a matrix by its Cholesky factor.
@@ -21,6 +23,103 @@ template <int Dim>
 double log_determinant(const Eigen::LLT<PointMatrix<Dim>>& factor) {
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
 }
+
+/// A difference, given others.
+template <int Dim>
+struct ConditionalDifference {
+  Point<Dim> difference;        // (m)
+  PointMatrix<Dim> covariance;  // (m²)
+  double squared_distance;      // Mahalanobis; NaN if the covariance is not known
+  double log_determinant;       // of the covariance
+};
+
+/// The information of the differences of pairings, which have a joint covariance L Lᵀ. Some can be taken out, as if nothing had
+/// been known of them.
+template <int Dim>
+class DifferenceInformation {
+ public:
+  /// By L⁻¹, and L⁻¹ times the differences.
+  DifferenceInformation(const Eigen::MatrixXd& inverse_factor, const Eigen::VectorXd& whitened)
+      : information_(inverse_factor.transpose() * inverse_factor),
+        weighted_(inverse_factor.transpose() * whitened),
+        left_(static_cast<std::size_t>(whitened.size() / Dim)) {
+    std::iota(left_.begin(), left_.end(), std::size_t{0});
+  }
+
+  /// The places of the pairings that have not been taken out, ascending.
+  const std::vector<std::size_t>& left() const { return left_; }
+
+  /// The difference of the pairing in this place, given all others left.
+  ConditionalDifference<Dim> given_others(std::size_t place) const {
+    const Eigen::Index row = static_cast<Eigen::Index>(place) * Dim;
+    const Eigen::LLT<PointMatrix<Dim>> factor(PointMatrix<Dim>(information_.template block<Dim, Dim>(row, row)));
+    const Point<Dim> weighted = weighted_.template segment<Dim>(row);
+    const Point<Dim> difference = factor.solve(weighted);
+    const bool is_known = factor.info() == Eigen::Success;
+    return {difference, factor.solve(PointMatrix<Dim>::Identity()),
+            is_known ? weighted.dot(difference) : std::numeric_limits<double>::quiet_NaN(), -log_determinant<Dim>(factor)};
+  }
+
+  void take_out(std::size_t place) {
+    const ConditionalDifference<Dim> given = given_others(place);
+    const Eigen::MatrixXd columns = information_.template middleCols<Dim>(static_cast<Eigen::Index>(place) * Dim);
+    weighted_.noalias() -= columns * given.difference;
+    information_.noalias() -= columns * given.covariance * columns.transpose();
+    std::erase(left_, place);
+  }
+
+ private:
+  Eigen::MatrixXd information_;
+  Eigen::VectorXd weighted_;  // the information times the differences
+  std::vector<std::size_t> left_;
+};
+
+/// The log odds that pairings are right, against other features there that are not known yet.
+template <int Dim>
+class PairingOdds {
+ public:
+  /// `log_overlooked`, by place: of the chance that another feature there was overlooked. The references must outlive this.
+  PairingOdds(const NeighbourDensity<Dim>& density, const std::vector<double>& log_overlooked)
+      : density_(density), log_overlooked_(log_overlooked) {}
+
+  /// Those of a pairing, given all others left.
+  double of(std::size_t place, const DifferenceInformation<Dim>& information) const {
+    const auto [difference, covariance, d2, log_determinant] = information.given_others(place);
+    return gain<Dim>(difference, covariance, d2, log_determinant, density_) - log_overlooked_[place];
+  }
+
+  /// Takes out, the weakest first, each pairing that is more probably of another feature, given those still left. Returns the
+  /// sum of their log odds, all negative.
+  double shed(DifferenceInformation<Dim>& information) const {
+    double sum = 0.0;
+    while (true) {
+      double least = 0.0;
+      std::size_t weakest = 0;
+      for (const std::size_t k : information.left()) {
+        const double log_odds = of(k, information);
+        if (log_odds < least) {
+          least = log_odds;
+          weakest = k;
+        }
+      }
+      if (least == 0.0) return sum;
+      sum += least;
+      information.take_out(weakest);
+    }
+  }
+
+  /// Those of a pairing and of all that fall with it, together. Two wrong pairings may fit each other where neither fits the
+  /// rest.
+  double of_falling(std::size_t place, DifferenceInformation<Dim> information) const {
+    const double own = of(place, information);
+    information.take_out(place);
+    return own + shed(information);
+  }
+
+ private:
+  const NeighbourDensity<Dim>& density_;
+  const std::vector<double>& log_overlooked_;
+};
 
 }  // namespace
 
@@ -77,24 +176,29 @@ std::optional<Extension<Dim>> Hypothesis<Dim>::extension(const Pairing& pairing,
   return extension;
 }
 
-/// With L Lᵀ the covariance of all differences d and E the rows of the pairing, its information given the others is Zᵀ Z, with
-/// Z = L⁻¹ E, and (Zᵀ Z)⁻¹ Zᵀ L⁻¹ d its difference. The rows of Z above E are zero.
 template <int Dim>
-std::optional<GivenOthers<Dim>> Hypothesis<Dim>::given_others(std::size_t place, const NeighbourDensity<Dim>& density,
-                                                              ChiSquaredQuantiles& gates) const {
-  const Eigen::Index rows = whitened_.size() - static_cast<Eigen::Index>(place) * Dim;
-  Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(rows, Dim);
-  factor_.bottomRightCorner(rows, rows).template triangularView<Eigen::Lower>().solveInPlace(Z);
-  const Eigen::LLT<PointMatrix<Dim>> factor(PointMatrix<Dim>(Z.transpose() * Z));
-  const PointMatrix<Dim> S = factor.solve(PointMatrix<Dim>::Identity());
-  const Point<Dim> weighted = Z.transpose() * whitened_.tail(rows);
-  const Point<Dim> difference = S * weighted;
-  const double d2 = weighted.dot(difference);
-  if (!(d2 <= gates(Dim))) return std::nullopt;
-  const double error = std::sqrt(gates(Dim) * S.trace());
-  const double log_odds = gain<Dim>(difference, S, d2, -log_determinant<Dim>(factor), density) -
-                          problem_->log_overlooked(pairings_[place].known, error);
-  return GivenOthers<Dim>{log_odds, S};
+std::vector<std::optional<GivenOthers<Dim>>> Hypothesis<Dim>::given_others(const NeighbourDensity<Dim>& density,
+                                                                           ChiSquaredQuantiles& gates) const {
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(whitened_.size(), whitened_.size());
+  factor_.template triangularView<Eigen::Lower>().solveInPlace(inverse);
+  const DifferenceInformation<Dim> all(inverse, whitened_);
+  std::vector<double> log_overlooked;
+  for (const std::size_t place : all.left()) {
+    const double error = std::sqrt(gates(Dim) * all.given_others(place).covariance.trace());
+    log_overlooked.push_back(problem_->log_overlooked(pairings_[place].known, error));
+  }
+  const PairingOdds<Dim> odds(density, log_overlooked);
+  DifferenceInformation<Dim> sound = all;
+  odds.shed(sound);
+  std::vector<std::optional<GivenOthers<Dim>>> given;
+  for (const std::size_t place : all.left()) {
+    const auto left = all.given_others(place);
+    const bool is_sound = std::ranges::binary_search(sound.left(), place);
+    auto& found = given.emplace_back();
+    if (!(left.squared_distance <= gates(Dim))) continue;
+    found = {is_sound ? odds.of_falling(place, sound) : odds.of(place, all), left.covariance};
+  }
+  return given;
 }
 
 template <int Dim>

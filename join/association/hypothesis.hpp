@@ -28,6 +28,14 @@ inline double probability_of(double log_odds) {
   return 1.0 / (1.0 + std::exp(-log_odds));
 }
 
+/// The features of one of two maps that are matched, to tell which of them the other map should have seen, or how the map falls
+/// onto itself.
+template <int Dim>
+struct MapFeatures {
+  std::vector<Point<Dim>> all;       ///< All that the map sees (m).
+  std::vector<Point<Dim>> unpaired;  ///< Those that can be none of the other map's (m).
+};
+
 /// The problem of matching sightings with known features: points of one frame with a joint covariance. No feature is sighted
 /// twice.
 template <int Dim>
@@ -40,8 +48,11 @@ struct PairingProblem {
   /// By known feature, its distances (m) from the pose that saw it last and from that of the sightings: if a sighting is of
   /// another feature there, they overlooked one of the two. Empty without `sees`.
   std::vector<std::array<double, 2>> distances;
-  std::vector<Point<Dim>> surroundings;  ///< All features of the sightings' map, to find its shifts onto itself; else empty.
-  double log_tests = 0.0;                ///< Logarithm of the number of such problems tried, if chance may solve one; else 0.
+  std::array<MapFeatures<Dim>, 2> maps;  ///< Those of the known features and of the sightings, if these are two; else empty.
+  /// The chance that a map sees a feature, by the distance of the nearest other one that it sees (m); null if that is not
+  /// known.
+  const SightingChance* map_sees = nullptr;
+  double log_tests = 0.0;  ///< Logarithm of the number of such problems tried, if chance may solve one; else 0.
 
   /// known - sighting (m), which should be zero; covariance_of() is its covariance with that of another pairing (m²).
   Point<Dim> difference(const Pairing& pairing) const { return known[pairing.known] - sightings[pairing.sighting]; }
@@ -80,8 +91,10 @@ std::optional<Extension<Dim>> extension_by(const Pairing& pairing, const Remaind
 /// A pairing of a hypothesis, given all others.
 template <int Dim>
 struct GivenOthers {
-  double gain = 0.0;            ///< Logarithm of the odds against another feature there that is not known yet: one of the two
-                                ///< was then overlooked from each of the problem's distances.
+  /// Logarithm of the odds against another feature there that is not known yet: one of the two was then overlooked from each of
+  /// the problem's distances. Other pairings that without this one are more probably of other features would fall with it, and
+  /// their gains count, too.
+  double gain = 0.0;
   PointMatrix<Dim> covariance;  ///< Covariance of the difference, given the other pairings (m²).
 };
 
@@ -111,9 +124,10 @@ class Hypothesis {
   std::optional<Extension<Dim>> extension(const Pairing& pairing, const NeighbourDensity<Dim>& density,
                                           ChiSquaredQuantiles& gates) const;
   void extend(const Extension<Dim>& extension);
-  /// pairings()[place], given all others; nullopt if its distance given these is outside of its gate. O(n²) for n pairings.
-  std::optional<GivenOthers<Dim>> given_others(std::size_t place, const NeighbourDensity<Dim>& density,
-                                               ChiSquaredQuantiles& gates) const;
+  /// Each of pairings(), given the others; nullopt if its distance given these is outside of its gate. O(n³) for n pairings, if
+  /// few fall with others.
+  std::vector<std::optional<GivenOthers<Dim>>> given_others(const NeighbourDensity<Dim>& density,
+                                                            ChiSquaredQuantiles& gates) const;
   /// Extends the hypothesis by those of the pairings, in their order, that can be added.
   void extend_by(const std::vector<Pairing>& pairings, const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates);
 

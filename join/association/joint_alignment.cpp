@@ -147,6 +147,7 @@ std::optional<std::size_t> JointAlignment<Dim>::next() {
 template <int Dim>
 PairingProblem<Dim> JointAlignment<Dim>::problem(const Branch& branch, const Features& features) const {
   PairingProblem<Dim> problem = branch.problem(features.known, features.sightings, covariances_);
+  problem.maps[1].all = problem.sightings;
   for (std::size_t s = 0; s < features.sightings.size(); ++s) {
     for (std::size_t k = 0; k < features.known.size(); ++k) {
       const Pairing pairing{k, s};
@@ -245,11 +246,11 @@ std::vector<Proposal> JointAlignment<Dim>::propose(const std::stop_token& stop) 
   std::vector<Proposal> proposals;
   for (const AlignedPair& placed : branches_.front().placed()) {
     const double share = share_of(placed);
-    if (share < placement_confidence(confidence_, identities_)) continue;
     for (std::size_t k = 0; k < placed.features.size(); ++k) {
       Match match = placed.matches[k];
-      match.placement_probability = share;
-      match.probability *= share * probability_of(match.score - log_tests());
+      match.placement_probability *= share;
+      if (match.placement_probability < placement_confidence(confidence_, identities_)) continue;
+      match.probability *= match.placement_probability * probability_of(match.score - log_tests());
       const auto& [one, other] = placed.features[k];
       const MapPair<Dim>& pair = pairs_[placed.pair];
       if (match.probability >= confidence_) proposals.push_back({one, other, match, {pair.maps[0], pair.maps[1]}});

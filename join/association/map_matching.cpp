@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/association/map_matching.hpp>
+#include <mapjoin/join/association/overlooked.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/cross_covariances.hpp>
 #include <numbers>
@@ -25,6 +26,9 @@ MapMatching<Dim>::MapMatching(const FeatureEstimate<Dim>& estimate, const Identi
     covariances_.push_back(scale_ * (*estimate.marginals)[estimate.covariances->variable(FeatureIndex(f))]);
     largest_ = std::max(largest_, covariances_.back().trace());
   }
+  std::vector<std::vector<FeatureIndex>> unclear(identities.map_count());
+  parallel_for(unclear.size(), [&](std::size_t map) { unclear[map] = this->unclear(map); });
+  map_sees_ = chance_of_maps(estimate, identities, unclear);
 }
 
 template <int Dim>
@@ -87,6 +91,33 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
   return open;
 }
 
+/// The features of a map and of the one before it that may be the same, ascending.
+template <int Dim>
+std::vector<FeatureIndex> MapMatching<Dim>::unclear(std::size_t map) const {
+  std::set<FeatureIndex> unclear;
+  if (map == 0) return {};
+  const Open open = open_features(map, true);
+  for (std::size_t k = 0; k < open.features.size(); ++k) {
+    if (is_in(open.features[k], map - 1)) continue;
+    for (const Candidate& candidate : open.candidates[k]) {
+      if (is_in(candidate.feature, map - 1)) unclear.insert({candidate.feature, open.features[k]});
+    }
+  }
+  return {unclear.begin(), unclear.end()};
+}
+
+/// The features of a map; unpaired are those that the other map does not see and that are not candidates.
+template <int Dim>
+MapFeatures<Dim> MapMatching<Dim>::features_of(std::size_t map, std::size_t other,
+                                               const std::set<FeatureIndex>& candidates) const {
+  MapFeatures<Dim> features;
+  for (const FeatureIndex f : identities_.features_in(map)) {
+    features.all.push_back(position(f));
+    if (!candidates.contains(f) && !is_in(f, other)) features.unpaired.push_back(position(f));
+  }
+  return features;
+}
+
 template <int Dim>
 PointMatrix<Dim> MapMatching<Dim>::Open::covariance(FeatureIndex one, std::size_t place) const {
   const auto column = std::ranges::lower_bound(with_near, one) - with_near.begin();
@@ -143,7 +174,7 @@ PairingProblem<Dim> MapMatching<Dim>::problem(const std::vector<FeatureIndex>& k
 template <int Dim>
 Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, const Open& open, double reach,
                                     Matcher<Dim>& matcher) const {
-  std::set<FeatureIndex> known;
+  std::set<FeatureIndex> known, sightings;
   std::vector<std::size_t> places;
   double confusable = 0.0;
   for (std::size_t k = 0; k < open.features.size(); ++k) {
@@ -155,13 +186,16 @@ Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, cons
       known.insert(candidate.feature);
       confusable = std::max(confusable, candidate.confusable);
     }
-    if (has_candidate) places.push_back(k);
+    if (!has_candidate) continue;
+    places.push_back(k);
+    sightings.insert(open.features[k]);
   }
   if (places.empty()) return {};
   if (confusable > reach) return {{}, 1};
   const std::vector<FeatureIndex> features(known.begin(), known.end());
   PairingProblem<Dim> pairing = problem(features, places, open, earlier);
-  for (const FeatureIndex f : identities_.features_in(later)) pairing.surroundings.push_back(position(f));
+  pairing.maps = {features_of(earlier, later, known), features_of(later, earlier, sightings)};
+  pairing.map_sees = &map_sees_;
   const auto maps = static_cast<double>(identities_.map_count());
   if (confusable > 1.0) pairing.log_tests = std::log(0.5 * maps * (maps - 1.0));
   const std::vector<Match> matches = matcher(std::move(pairing));

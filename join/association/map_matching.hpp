@@ -6,6 +6,8 @@
 #include <mapjoin/join/association/identities.hpp>
 #include <mapjoin/join/association/matching.hpp>
 #include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/join/association/sighting_chance.hpp>
+#include <set>
 #include <stop_token>
 #include <vector>
 
@@ -81,6 +83,8 @@ class MapMatching {
   };
 
   Open open_features(std::size_t map, bool only_neighbours) const;
+  std::vector<FeatureIndex> unclear(std::size_t map) const;
+  MapFeatures<Dim> features_of(std::size_t map, std::size_t other, const std::set<FeatureIndex>& candidates) const;
   std::vector<FeatureIndex> near(FeatureIndex feature, std::size_t map, bool only_neighbours) const;
   std::vector<MapPair<Dim>> pairs_of(std::size_t map, double reach) const;
   Proposals of_map(std::size_t map, double reach, bool only_neighbours, const std::stop_token& stop) const;
@@ -103,6 +107,7 @@ class MapMatching {
   Table<FeatureIndex, PointMatrix<Dim>> covariances_;
   double largest_ = 0.0;  // largest trace of a covariance
   PointTree<Dim> tree_;
+  SightingChance map_sees_;
 };
 
 }  // namespace mapjoin

@@ -5,6 +5,7 @@
 #include <limits>
 #include <mapjoin/join/association/beam_search.hpp>
 #include <mapjoin/join/association/matching.hpp>
+#include <mapjoin/join/association/overlooked.hpp>
 #include <mapjoin/join/association/point_tree.hpp>
 #include <utility>
 
@@ -86,12 +87,24 @@ std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(PairingProblem<Dim>& probl
 }
 
 template <int Dim>
+double Matcher<Dim>::log_odds(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement) {
+  return placement.score() + log_overlooked(problem, placement, density_, gates_);
+}
+
+template <int Dim>
 std::vector<Match> Matcher<Dim>::matches(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement) {
+  const std::vector<std::optional<GivenOthers<Dim>>> given_others = placement.given_others(density_, gates_);
+  double spread = 0.0;  // largest variance of a pairing along an axis, given the others (m²)
+  for (const auto& given : given_others) {
+    if (given) spread = std::max(spread, given->covariance.trace() / Dim);
+  }
+  const double shifts = odds_of_shifts(problem, placement, spread * chi_squared_quantile(kSamePoint, Dim));
+  const double log_odds = this->log_odds(problem, placement);
   std::vector<Match> matches;
   for (const Pairing& pairing : placement.pairings()) {
-    const auto given_others = placement.given_others(matches.size(), density_, gates_);
-    matches.push_back({pairing.known, given_others ? probability_of(given_others->gain) : 0.0,
-                       squared_distance(problem, pairing), problem.choices[pairing.sighting].size(), placement.score(), 1.0});
+    const auto& given = given_others[matches.size()];
+    matches.push_back({pairing.known, given ? probability_of(given->gain) : 0.0, squared_distance(problem, pairing),
+                       problem.choices[pairing.sighting].size(), log_odds, 1.0 / (1.0 + shifts)});
   }
   return matches;
 }
@@ -103,13 +116,14 @@ bool Matcher<Dim>::contradicts(const Hypothesis<Dim>& other, const Pairing& pair
   return other.takes(pairing.known) || !other.extension(pairing, density_, gates_);
 }
 
-/// The summed odds, against no shift, of all shifts under which at least half of the surroundings fall onto themselves. Odds
-/// too small to change a sum with 1 are left out.
+/// The summed odds, against no shift, of all shifts under which at least half of the sightings' map falls onto itself. Odds too
+/// small to change a sum with 1 are left out.
 template <int Dim>
-double Matcher<Dim>::odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& best, double tolerance2) const {
-  const auto& points = problem.surroundings;
+double Matcher<Dim>::odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement,
+                                    double tolerance2) const {
+  const auto& points = problem.maps[1].all;
   const std::vector<Point<Dim>> shifts = shifts_between<Dim>(points);
-  const ShiftGrowth<Dim> growth = best.growth();
+  const ShiftGrowth<Dim> growth = placement.growth();
   const auto odds_of = [&](const Point<Dim>& shift) { return std::exp(-0.5 * growth(shift)); };
   std::vector<Point<Dim>> likely;
   std::ranges::copy_if(shifts, std::back_inserter(likely), [&](const Point<Dim>& shift) {
@@ -142,26 +156,18 @@ void Matcher<Dim>::match_jointly(const PairingProblem<Dim>& problem, const std::
   const std::vector<Hypothesis<Dim>> found = placements(problem, order);
   if (found.empty()) return;
   const Hypothesis<Dim>& best = found.front();
-  std::vector<std::optional<GivenOthers<Dim>>> given_others;
-  double spread = 0.0;  // largest variance of a pairing along an axis, given the others (m²)
-  for (std::size_t k = 0; k < best.pairings().size(); ++k) {
-    given_others.push_back(best.given_others(k, density_, gates_));
-    if (given_others.back()) spread = std::max(spread, given_others.back()->covariance.trace() / Dim);
-  }
-  const double shifts = odds_of_shifts(problem, best, spread * chi_squared_quantile(kSamePoint, Dim));
-  const double not_by_chance = probability_of(best.score() - problem.log_tests);
-  for (std::size_t k = 0; k < best.pairings().size(); ++k) {
+  const std::vector<Match> of_best = this->matches(problem, best);
+  const double not_by_chance = probability_of(of_best.front().score - problem.log_tests);
+  for (std::size_t k = 0; k < of_best.size(); ++k) {
     const Pairing& pairing = best.pairings()[k];
-    double others = shifts;
+    double others = 0.0;
     for (auto other = found.begin() + 1; other != found.end(); ++other) {
       if (contradicts(*other, pairing)) others += std::exp(0.5 * (best.excess() - other->excess()));
     }
     Match& match = matches[pairing.sighting];
-    match.known = pairing.known;
-    match.score = best.score();
-    const double not_new = given_others[k] ? probability_of(given_others[k]->gain) : 0.0;
-    match.placement_probability = 1.0 / (1.0 + others);
-    match.probability = match.placement_probability * not_by_chance * not_new;
+    match = of_best[k];
+    match.placement_probability = 1.0 / (1.0 / match.placement_probability + others);
+    match.probability *= match.placement_probability * not_by_chance;
   }
 }
 

@@ -26,7 +26,7 @@ struct Match {
   double probability = 0.0;          ///< Probability that the sighting is of `known`.
   double squared_distance = 0.0;     ///< Squared Mahalanobis distance of the sighting alone.
   std::size_t candidates = 0;        ///< Number of known features within its gate.
-  double score = 0.0;                ///< Score of the whole hypothesis (see Hypothesis).
+  double score = 0.0;                ///< Log odds of the whole hypothesis (see Matcher::log_odds()); 0 with kNearest.
   /// Probability of the hypothesis against the placements that contradict this match; a factor of `probability`. 1 with
   /// kNearest.
   double placement_probability = 0.0;
@@ -43,8 +43,8 @@ class Matcher {
   ///
   /// The hypothesis of the highest score is sought from sighting to sighting, following the most promising branches (beam
   /// search). Hypotheses of lower score follow that share none of its pairings and explain at least half as many sightings:
-  /// other placements of the sightings. Shifts by which their surroundings fall onto themselves, as in a regular plantation,
-  /// count as placements, too. The probability of a pairing is a product: that of its hypothesis against the placements that
+  /// other placements of the sightings. Shifts by which their map falls onto itself, as in a regular plantation, count as
+  /// placements, too. The probability of a pairing is a product: that of its hypothesis against the placements that
   /// contradict it, that of the hypothesis not being found by chance, and that of the pairing, given the others, against a
   /// feature not known yet.
   std::vector<Match> operator()(PairingProblem<Dim> problem);
@@ -52,9 +52,12 @@ class Matcher {
   /// The placements to compare, the best first. Removes choices that are outside of the gates by themselves from the problem,
   /// which must outlive the placements.
   std::vector<Hypothesis<Dim>> placements(PairingProblem<Dim>& problem);
-  /// The match of each pairing of a placement that is taken to be right: its probability, given the others, against a feature
-  /// not known yet.
+  /// The match of each pairing of a placement that is right but for shifts by which the sightings' map falls onto itself: its
+  /// probability, given the others, against a feature not known yet.
   std::vector<Match> matches(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement);
+  /// The logarithm of the odds of a placement against maps that do not overlap: its score, less what the maps overlooked of
+  /// each other.
+  double log_odds(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement);
 
   double gate() { return gates_(Dim); }
 
@@ -63,7 +66,7 @@ class Matcher {
   std::vector<Hypothesis<Dim>> placements(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order);
   double squared_distance(const PairingProblem<Dim>& problem, const Pairing& pairing);
   bool contradicts(const Hypothesis<Dim>& other, const Pairing& pairing);
-  double odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& best, double tolerance2) const;
+  double odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement, double tolerance2) const;
   void match_jointly(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order, std::vector<Match>& matches);
   void match_nearest(const PairingProblem<Dim>& problem, std::vector<Match>& matches);
 

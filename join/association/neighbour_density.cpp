@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mapjoin/join/association/neighbour_density.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <numbers>
 
 namespace mapjoin {
@@ -18,6 +20,22 @@ constexpr std::size_t kFewestPoints = Dim + 2;
 
 /// The most distances that are kept; of more, those of sets spread evenly over all.
 constexpr std::size_t kMostDistances = 4'000'000;
+
+/// Number of balls that stand for a normal distribution.
+constexpr int kBalls = 8;
+
+/// The squared radii of evenly filled balls whose mixture is a normal distribution about zero with a mean square of 1: over the
+/// variance along an axis they are chi-square with Dim + 2 degrees of freedom. These are quantiles in equal steps.
+template <int Dim>
+std::array<double, kBalls> squared_radii() {
+  std::array<double, kBalls> found{};
+  double p = 0.5 / kBalls;
+  for (double& squared_radius : found) {
+    squared_radius = chi_squared_quantile(p, Dim + 2) / Dim;
+    p += 1.0 / kBalls;
+  }
+  return found;
+}
 
 /// The covariance of points.
 template <int Dim>
@@ -90,12 +108,19 @@ void NeighbourDensity<Dim>::set_overall(double overall) {
 }
 
 template <int Dim>
-double NeighbourDensity<Dim>::log_within(double distance) const {
-  const auto pairs = std::ranges::upper_bound(distances_, distance) - distances_.begin();
+double NeighbourDensity<Dim>::log_within(double squared_distance, double variance) const {
+  static const std::array<double, kBalls> balls = squared_radii<Dim>();
+  const double mean_square = squared_distance + Dim * variance;
   // Logarithms, as the volume may overflow if the distance is not known at all.
-  const double log_ball = std::log(kUnitBall<Dim>) + Dim * std::log(distance);
-  const double log_count = std::log(2.0 * (static_cast<double>(pairs) + 1.0) / (share_ * points_));
-  return std::min(log_count - log_ball, std::log(overall_));
+  const double log_ball = std::log(kUnitBall<Dim>) + 0.5 * Dim * std::log(mean_square);
+  const double most = overall_ * std::exp(log_ball);
+  double sum = 0.0;
+  for (const double squared_radius : balls) {
+    const auto pairs = std::ranges::upper_bound(distances_, std::sqrt(squared_radius * mean_square)) - distances_.begin();
+    const double others = 2.0 * (static_cast<double>(pairs) + 1.0) / (share_ * points_);
+    sum += std::min(others / std::pow(squared_radius, 0.5 * Dim), most);
+  }
+  return std::log(sum / kBalls) - log_ball;
 }
 
 template std::optional<double> mean_density<2>(std::span<const std::vector<Point<2>>>, const PointMatrix<2>&);

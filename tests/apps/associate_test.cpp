@@ -49,7 +49,7 @@ TEST_F(AssociateCommandTest, FindsTheFeaturesOfTheBundledLogAndExplainsEachSight
   const auto report = report_of({"run", log, "--associate", "-o", file("result")});
   EXPECT_EQ(report["association"]["method"], "jcbb");
   EXPECT_EQ(report["association"]["sightings"], 2524);
-  EXPECT_EQ(report["association"]["features"], 146);
+  EXPECT_EQ(report["association"]["features"], 145);
   EXPECT_EQ(report["verdict"], "fits");
   const std::string lines = content_of(folder.path() / "result" / "associations.csv");
   EXPECT_THAT(lines, StartsWith("base,feature,joined,distance,gate,alternatives,base_session\n"));
@@ -103,7 +103,7 @@ TEST_F(AssociateCommandTest, TiesStoresOfUnknownFrames) {
 TEST_F(AssociateCommandTest, GoesWithBuildNotWithTheJoinOfAStore) {
   ASSERT_EQ(call({"build", log, "--associate", "--quiet", "-o", file("log.maps")}).exit_code, 0);
   EXPECT_THAT(content_of(file("log.associations.csv")), StartsWith("base,"));
-  EXPECT_EQ(report_of({"join", file("log.maps")})["features"], 146);
+  EXPECT_EQ(report_of({"join", file("log.maps")})["features"], 145);
   const Ended refused = call({"join", file("log.maps"), "--associate"});
   EXPECT_NE(refused.exit_code, 0);
   EXPECT_THAT(refused.err, HasSubstr("--associate goes with `mapjoin build`"));

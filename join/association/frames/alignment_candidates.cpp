@@ -159,8 +159,8 @@ std::optional<AlignmentCandidate<Dim>> AlignmentCandidates<Dim>::grown_from(cons
 template <int Dim>
 double AlignmentCandidates<Dim>::anywhere(const Extension<Dim>& extension) const {
   const Point<Dim> difference = extension.covariance.llt().matrixL() * extension.whitened;
-  const double apart = std::sqrt(difference.squaredNorm() + extension.covariance.trace());
-  return model_.density.log_within(apart) - std::log(model_.density.overall());
+  return model_.density.log_within(difference.squaredNorm(), extension.covariance.trace() / Dim) -
+         std::log(model_.density.overall());
 }
 
 /// Extends the hypothesis by the pairing of a sighting that gains most, unless another one gains nearly as much.

@@ -173,6 +173,17 @@ TEST(AssociateTest, LaysNoPairOfManyMapsOneStepFurtherOn) {
   EXPECT_GE(testing::pair_score(associate(log, AssociationOptions{}).value().sightings).precision, 0.999);
 }
 
+/// Like the bundled log, of another seed. Where a sensor sees few features and turns are hardly known, pairings fit that a map
+/// should have seen, that fit only each other, or that are far off for want of knowledge.
+TEST(AssociateTest, IsMisledByNoRowsWhereTurnsAreHardlyKnown) {
+  const Log<2> log =
+      simulate_manhattan<2>({.poses = 1000, .seed = 19, .side = 45.0, .feature_cell = 4.0, .range = 3.5, .turn_noise = 0.03})
+          .log;
+  const testing::PairScore score = testing::pair_score(associate(log, AssociationOptions{}).value().sightings);
+  EXPECT_GE(score.precision, 0.999);
+  EXPECT_GE(score.recall, 0.97);
+}
+
 TEST(AssociateTest, DoesNotLookAtNames) {
   const Log<2> log = wood<2>(100);
   Log<2> renamed = log;

@@ -17,7 +17,7 @@ PairingProblem<2> problem_of(const Points& known, const Points& sightings, doubl
   PairingProblem<2> problem;
   problem.known = known;
   problem.sightings = sightings;
-  problem.surroundings = sightings;
+  problem.maps[1].all = sightings;
   const auto points = known.size() + sightings.size();
   problem.covariance = Eigen::MatrixXd::Identity(2 * static_cast<Eigen::Index>(points), 2 * static_cast<Eigen::Index>(points));
   problem.covariance *= deviation * deviation;
@@ -102,7 +102,7 @@ TEST(MatcherTest, KnowsAPlantationByTreesThatAreSeenWithErrors) {
   const Points corner = {grid[0], grid[1], grid[4]};
   auto problem = problem_of(corner, corner, 0.05, 2.0);
   for (const Match& match : matches_of(problem)) EXPECT_GT(match.probability, 0.9);
-  problem.surroundings = grid;
+  problem.maps[1].all = grid;
   for (const Match& match : matches_of(problem)) EXPECT_LT(match.probability, 0.8);
 }
 
@@ -114,7 +114,7 @@ TEST(MatcherTest, KnowsALargePlantation) {
   }
   const Points corner = {grid[0], grid[1], grid[20]};
   auto problem = problem_of(corner, corner, 0.05, 2.0);
-  problem.surroundings = grid;
+  problem.maps[1].all = grid;
   for (const Match& match : matches_of(problem)) {
     EXPECT_LT(match.placement_probability, 0.8);
     EXPECT_LE(match.probability, match.placement_probability);
@@ -135,7 +135,7 @@ TEST(MatcherTest, IsSureOfAPlaceInAPlantationWhoseTreesStandOffTheirRows) {
 TEST(MatcherTest, ComparesPlacementsThatExplainFewerOfTheSightings) {
   const Points row = {{0.0, 0.0}, {3.0, 0.0}, {6.0, 0.0}, {9.0, 0.0}};
   auto problem = problem_of(row, row, 0.05, 3.0);
-  problem.surroundings.clear();
+  problem.maps[1].all.clear();
   for (const Match& match : matches_of(problem)) EXPECT_LT(match.probability, 0.9);
 }
 
@@ -156,10 +156,52 @@ TEST(MatcherTest, HasAGateForAnyConfidence) {
 
 TEST(MatcherTest, AsksForMoreWhereChanceHasManyTries) {
   auto problem = problem_of(kKnown, {kKnown[0], kKnown[3], kKnown[4]}, 0.05, 1.0);
-  problem.surroundings.clear();
+  problem.maps[1].all.clear();
   EXPECT_GT(matches_of(problem)[0].probability, 0.99);
   problem.log_tests = 25.0;
   EXPECT_LT(matches_of(problem)[0].probability, 0.99);
+}
+
+/// A map that sees 0.95 of what is as near to its other features as these are to each other, but not the tree that a known
+/// feature's map sees among them.
+TEST(MatcherTest, CountsAgainstAPlaceWhatTheMapsOverlookThere) {
+  std::vector<SightingTrial> trials;
+  for (int k = 0; k < 400; ++k) trials.emplace_back(0.01 * k, true);
+  const SightingChance sees(trials);
+  auto problem = problem_of(kKnown, shifted(kKnown, {-1.4, -0.2}), 0.05, 1.0);
+  problem.maps[0].all = kKnown;
+  const std::vector<Points> sets = {kKnown};
+  const NeighbourDensity<2> density{std::span(sets)};
+  Matcher<2> matcher(density, AssociationMethod::kJcbb, 0.99, 100.0);
+  const auto placement = matcher.placements(problem).front();
+  ASSERT_EQ(placement.pairings().size(), kKnown.size());
+  EXPECT_EQ(matcher.log_odds(problem, placement), placement.score());
+  problem.map_sees = &sees;
+  EXPECT_EQ(matcher.log_odds(problem, placement), placement.score());
+  problem.maps[0].unpaired = {{2.5, 1.5}, {100.0, 100.0}};
+  EXPECT_NEAR(matcher.log_odds(problem, placement), placement.score() + std::log(1.0 / 22.0), 1e-9);
+  problem.maps[1].unpaired = shifted({{3.0, 1.8}}, {-1.4, -0.2});
+  EXPECT_NEAR(matcher.log_odds(problem, placement), placement.score() + 2.0 * std::log(1.0 / 22.0), 1e-9);
+}
+
+TEST(NeighbourDensityTest, IsThatOfANormalDistribution) {
+  Points grid;
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) grid.emplace_back(3.0 * x, 3.0 * y);
+  }
+  const NeighbourDensity<2> density(std::vector<Points>(20, grid));
+  for (const double distance : {2.0, 3.0, 4.0}) {
+    const double variance = 0.5 * distance * distance;
+    double expected = 0.0;
+    for (const auto& from : grid) {
+      for (const auto& to : grid) {
+        const double likelihood = std::exp(-0.5 * (to - from).squaredNorm() / variance) / (2.0 * std::numbers::pi * variance);
+        if (to != from) expected += likelihood / static_cast<double>(grid.size());
+      }
+    }
+    EXPECT_NEAR(density.log_within(0.0, variance), std::log(expected), 0.15) << distance;
+    EXPECT_NEAR(density.log_within(variance, 0.5 * variance), density.log_within(0.0, variance), 1e-12);
+  }
 }
 
 TEST(NeighbourDensityTest, KnowsThatFeaturesKeepTheirDistance) {
@@ -170,8 +212,8 @@ TEST(NeighbourDensityTest, KnowsThatFeaturesKeepTheirDistance) {
   const std::vector<Points> sets(20, grid);
   const NeighbourDensity<2> density(sets);
   EXPECT_NEAR(density.overall(), 1.0 / 9.0, 0.03);
-  EXPECT_LT(density.log_within(1.0), std::log(0.01 * density.overall()));
-  EXPECT_NEAR(density.log_within(10.0), std::log(density.overall()), 0.5);
+  EXPECT_LT(density.log_within(1.0 * 1.0, 0.0), std::log(0.01 * density.overall()));
+  EXPECT_NEAR(density.log_within(6.0 * 6.0, 0.0), std::log(density.overall()), 0.5);
 }
 
 /// A lattice of points, 3 m apart, in the plane through `origin` that `x` and `y` span.
@@ -227,7 +269,7 @@ TEST(NeighbourDensityTest, KnowsASampleOfTheDistancesOfManySets) {
   const NeighbourDensity<2> of_many(many);
   const NeighbourDensity<2> of_half(half);
   for (const double distance : {0.1, 1.0, 10.0}) {
-    EXPECT_DOUBLE_EQ(of_many.log_within(distance), of_half.log_within(distance)) << distance;
+    EXPECT_DOUBLE_EQ(of_many.log_within(distance * distance, 0.0), of_half.log_within(distance * distance, 0.0)) << distance;
   }
 }
 
@@ -238,7 +280,8 @@ TEST(NeighbourDensityTest, IsAsManyTimesHigherAsTheOverallOne) {
   around.set_overall(3.0 * seen.overall());
   EXPECT_DOUBLE_EQ(around.overall(), 3.0 * seen.overall());
   for (const double distance : {1.7, 3.0, 10.0}) {
-    EXPECT_NEAR(around.log_within(distance), seen.log_within(distance) + std::log(3.0), 1e-12) << distance;
+    EXPECT_NEAR(around.log_within(distance * distance, 0.0), seen.log_within(distance * distance, 0.0) + std::log(3.0), 1e-12)
+        << distance;
   }
 }
 
@@ -248,14 +291,14 @@ TEST(NeighbourDensityTest, LearnsNoDistancesFromWhatIsSeenAlone) {
   for (const auto& p : kKnown) sets.push_back({p});
   const NeighbourDensity<2> and_alone(sets);
   for (const double distance : {0.5, 1.7, 3.0}) {
-    EXPECT_DOUBLE_EQ(and_alone.log_within(distance), together.log_within(distance)) << distance;
+    EXPECT_DOUBLE_EQ(and_alone.log_within(distance * distance, 0.0), together.log_within(distance * distance, 0.0)) << distance;
   }
 }
 
 TEST(NeighbourDensityTest, FallsWithTheVolumeHoweverLargeThatIs) {
   const std::vector<std::vector<Point<3>>> sets = {{Point<3>::Zero(), Point<3>::UnitX()}};
   const NeighbourDensity<3> density(sets);
-  EXPECT_NEAR(density.log_within(1e120), density.log_within(1e100) - 60.0 * std::log(10.0), 1e-9);
+  EXPECT_NEAR(density.log_within(1e120 * 1e120, 0.0), density.log_within(1e100 * 1e100, 0.0) - 60.0 * std::log(10.0), 1e-9);
 }
 
 }  // namespace
