@@ -20,9 +20,9 @@ class NeighbourDensity {
   explicit NeighbourDensity(std::span<const std::vector<Point<Dim>>> sets,
                             const PointMatrix<Dim>& noise = PointMatrix<Dim>::Zero());
 
-  /// The logarithm of the density (1/m to the power of Dim) of other features at a point that is this far from a feature (m²) and
-  /// has this variance along each axis (m²): its mean over a normal distribution about the feature with the same mean square.
-  /// One pair more is counted than was seen; the density is at most overall().
+  /// The logarithm of the density (1/m to the power of Dim) of other features at a point that is this far from a feature (m²)
+  /// and has this variance along each axis (m²): its mean over a normal distribution about the feature with the same mean
+  /// square. One pair more is counted than was seen; the density is at most overall().
   double log_within(double squared_distance, double variance) const;
   double overall() const { return overall_; }
   /// Takes another density over all features around, of which the sets show a share: a sensor may give one feature at a time,
