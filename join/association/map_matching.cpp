@@ -7,7 +7,6 @@
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/cross_covariances.hpp>
 #include <numbers>
-#include <set>
 
 namespace mapjoin {
 
@@ -26,6 +25,7 @@ MapMatching<Dim>::MapMatching(const FeatureEstimate<Dim>& estimate, const Identi
     covariances_.push_back(scale_ * (*estimate.marginals)[estimate.covariances->variable(FeatureIndex(f))]);
     largest_ = std::max(largest_, covariances_.back().trace());
   }
+  if (method == AssociationMethod::kNearest) return;  // which looks at distances alone
   std::vector<std::vector<FeatureIndex>> unclear(identities.map_count());
   parallel_for(unclear.size(), [&](std::size_t map) { unclear[map] = this->unclear(map); });
   map_sees_ = chance_of_maps(estimate, identities, unclear);
@@ -91,11 +91,11 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
   return open;
 }
 
-/// The features of a map and of the one before it that may be the same, ascending.
+/// The features of a local map and of the one before it that may be the same, ascending; empty if either is none.
 template <int Dim>
 std::vector<FeatureIndex> MapMatching<Dim>::unclear(std::size_t map) const {
+  if (map == 0 || !estimate_.is_local_map[map - 1] || !estimate_.is_local_map[map]) return {};
   std::set<FeatureIndex> unclear;
-  if (map == 0) return {};
   const Open open = open_features(map, true);
   for (std::size_t k = 0; k < open.features.size(); ++k) {
     if (is_in(open.features[k], map - 1)) continue;
