@@ -32,6 +32,7 @@
 
 // Data association: which features are the same if they have no names, or none that are trusted.
 #include <mapjoin/join/association/associate.hpp>
+#include <mapjoin/join/association/associate_in_doubt.hpp>
 
 // Checks of logs and sets of local maps, outlier rejection, at once or map by map, and errors against the truth.
 #include <mapjoin/check/checks.hpp>

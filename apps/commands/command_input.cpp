@@ -10,6 +10,7 @@
 #include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/association/associate.hpp>
+#include <mapjoin/join/association/associate_in_doubt.hpp>
 #include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <set>
@@ -166,13 +167,21 @@ void CommandRun::associate_features(Data& data) {
   if (progress_.is_shown()) {
     association.progress = [this](std::size_t joins) { progress_.show("associating, joins", joins, joins); };
   }
-  auto associated = associate(data, association, stop_).value();
+  auto associated = association_of(data, association).value();
   run_report.association = options_.association;
   run_report.associations = std::move(associated.sightings);
   run_report.association_is_settled = associated.is_settled;
   data = std::move(associated.data);
   run_report.describe(data);
   if (!associated.untied.empty()) settle_untied(associated.untied, data);
+}
+
+template <typename Data>
+Expected<Associated<Data>> CommandRun::association_of(const Data& data, const AssociationOptions& association) const {
+  if constexpr (!requires { data.log; }) {
+    if (options_.robust) return associate_in_doubt(data, association, robust_options(), stop_);
+  }
+  return associate(data, association, stop_);
 }
 
 template <typename Data>
@@ -203,16 +212,20 @@ void CommandRun::attach_gps(Log<Dim>& log) {
   log = without_fixes(log, rejected);
 }
 
+RobustOptions CommandRun::robust_options() const {
+  RobustOptions robust = *options_.robust;
+  robust.engine = options_.run.solver.engine;
+  return robust;
+}
+
 template <typename Input>
 void CommandRun::reject_outliers(Input& input) {
   if (tells_of_parts && !check_connected(input)) return;
   const Stopwatch watch(run_report.robust_seconds);
   if (progress_.is_shown()) progress_.show("rejecting", 0, 1);
-  RobustOptions robust = *options_.robust;
-  robust.engine = options_.run.solver.engine;
   const auto fixed = input.graph.fixed;
   if (!options_.gps.empty()) hold_parts(input);  // fixes, which come later, tie them
-  auto inliers = find_inliers(input, robust, stop_).value();
+  auto inliers = find_inliers(input, robust_options(), stop_).value();
   run_report.robust = options_.robust;
   run_report.describe(input, inliers.rejected);
   input = std::move(inliers.input);

@@ -114,6 +114,9 @@ class CommandRun {
   /// Finds out which features are the same; kUsage for a store if names are not to hold, by which its local maps were built.
   template <typename Data>
   void associate_features(Data& data);
+  /// Data with its features associated, with --robust so that outliers do not mislead it.
+  template <typename Data>
+  Expected<Associated<Data>> association_of(const Data& data, const AssociationOptions& association) const;
   /// Fails with the reason why parts were not aligned, unless the largest part of a log is asked for, which is then taken,
   /// with the associations of its sightings. Bad input.
   template <typename Data>
@@ -130,6 +133,8 @@ class CommandRun {
   /// Turns the fixes of --gps into priors of a log, except those that --robust rejects.
   template <int Dim>
   void attach_gps(Log<Dim>& log);
+  /// The options of --robust, which must have been asked for.
+  RobustOptions robust_options() const;
   /// Leaves out what --robust rejects in a log or a set of local maps; kUsage for a store, whose maps are built already. Bad
   /// input in parts that nothing ties, unless the command tells of them.
   template <typename Input>

@@ -57,12 +57,6 @@ Error error_of_estimate(Source<Dim> data, const Join& join, Error error) {
   return bad_input_of(source, why).value();
 }
 
-/// The base and the name of a sighting.
-struct Seen {
-  PoseIndex base;
-  FeatureIndex name;
-};
-
 /// Identities by `labels` or, if names hold, by names: a name is then one feature within each part.
 template <typename Data>
 Identities identities_of(const Data& data, const std::vector<Seen>& seen, std::vector<Sighting> sightings,
@@ -124,8 +118,7 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
   if (!log.feature_priors().empty()) return of_named_prior(log.source);
   NeighbourDensity<Dim> density = density_of<Dim>(log.observations(), {});
   const Split split = split_evenly(log);
-  std::vector<Seen> seen;
-  for (const auto& observation : log.observations()) seen.push_back({observation.base, observation.target});
+  const std::vector<Seen> seen = seen_in(log);
   std::vector<std::size_t> labels;
   std::vector<std::optional<Match>> matches(seen.size());
   if (!options.names_hold) {
@@ -155,11 +148,7 @@ Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const 
   if (std::ranges::any_of(set.graph.feature_factors, [](const auto& o) { return o.base == kWorld; }))
     return of_named_prior(set.source);
   const NeighbourDensity<Dim> density = density_of<Dim>(set.graph.feature_factors, set.graph.submaps);
-  std::vector<Seen> seen;
-  for (const auto& map : set.graph.submaps) {
-    for (const FeatureIndex feature : map.features) seen.push_back({map.base, feature});
-  }
-  for (const auto& observation : set.graph.feature_factors) seen.push_back({observation.base, observation.target});
+  const std::vector<Seen> seen = seen_in(set);
   std::vector<std::size_t> labels(seen.size());
   std::iota(labels.begin(), labels.end(), std::size_t{0});
   const auto join = [&](SubmapSet<Dim> data) { return estimate_of(std::move(data), stop); };

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <mapjoin/io/formats/log_format.hpp>
 #include <sstream>
 #include <tests/apps/command.hpp>
@@ -61,6 +62,14 @@ TEST_F(AssociateCommandTest, FindsTheFeaturesOfTheBundledLogAndExplainsEachSight
     EXPECT_LE(distance, gate);
     EXPECT_LT(alternatives, 164U);
   }
+}
+
+TEST_F(AssociateCommandTest, WithRobustIsNotMisledByAWrongClosure) {
+  std::ofstream(file("wrong.g2o")) << content_of(log) << "EDGE_SE2 480 560 0.1 0.1 0.1 1111 0 0 1111 0 1111\n";
+  const auto report = report_of({"run", file("wrong.g2o"), "--associate", "--robust", "-o", file("right.g2o")});
+  EXPECT_EQ(report["association"]["features"], 145);
+  EXPECT_EQ(report["robust"]["closures"], 1);
+  EXPECT_EQ(report["verdict"], "fits");
 }
 
 TEST_F(AssociateCommandTest, WritesTheSameWithAnyNumberOfJobs) {
