@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Logs of a rare kind: several ranks map them as one process does.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <tests/mpi/ranks_test.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class UnusualLogsOnRanks : public RanksTest {};
+
+TEST_F(UnusualLogsOnRanks, MayHaveAFeatureThatOnlyAPriorMeasures) {
+  std::ofstream(path("prior.g2o")) << content_of(bundled("manhattan2d.g2o"))
+                                   << "EDGE_PRIOR_XY 9000 5 5 4 0 4\nEDGE_PRIOR_XY 9000 6 5 4 0 4\n";
+  const auto one = report_of({"run", path("prior.g2o"), "--no-verdict"});
+  for (const int ranks : {1, 2}) {
+    for (const char* regions : {"1", "3"}) {
+      const auto several = report_of_ranks(ranks, {"run", path("prior.g2o"), "--regions", regions});
+      EXPECT_NEAR(several["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << ranks << " of " << regions;
+      EXPECT_EQ(several["dof"], one["dof"]) << ranks << " of " << regions;
+    }
+  }
+}
+
+TEST_F(UnusualLogsOnRanks, MayHaveAFixedPoseThatNothingIsMeasuredFrom) {
+  std::ofstream file(path("lone.g2o"));
+  for (int k = 0; k < 60; ++k) file << "VERTEX_SE2 " << k << ' ' << k << " 0 0\n";
+  for (int k = 1; k < 60; ++k) file << "EDGE_SE2 " << k - 1 << ' ' << k << " 1 " << k % 3 * 0.1 << " 0 1 0 0 1 0 1\n";
+  file << "EDGE_SE2 0 59 59 0 0 1 0 0 1 0 1\nVERTEX_SE2 100 7 8 1\nFIX 0 100\n";
+  file.close();
+  const auto one = report_of({"run", path("lone.g2o"), "--no-verdict"});
+  for (const int ranks : {1, 2}) {
+    for (const char* regions : {"1", "2"}) {
+      const auto several = report_of_ranks(ranks, {"run", path("lone.g2o"), "-o", path("map.csv"), "--regions", regions});
+      for (const char* what : {"dof", "gauge"}) EXPECT_EQ(several[what], one[what]) << ranks << " of " << regions;
+      EXPECT_THAT(content_of(path("map.csv")), HasSubstr("\n100,7,8,1\n")) << ranks << " of " << regions;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
