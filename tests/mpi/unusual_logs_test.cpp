@@ -42,5 +42,16 @@ TEST_F(UnusualLogsOnRanks, MayHaveAFixedPoseThatNothingIsMeasuredFrom) {
   }
 }
 
+TEST_F(UnusualLogsOnRanks, MayBeDrivenPastThePoseWhereSharesMeet) {
+  std::ofstream file(path("spur.g2o"));
+  const auto drive = [&](int from, int to) { file << "EDGE_SE2 " << from << ' ' << to << " 1 0 0.05 1 0 0 1 0 1\n"; };
+  for (int k = 0; k < 58; ++k) drive(k, k + 1);
+  drive(58, 60);  // from where the first of two shares ends
+  drive(60, 59);
+  for (int k = 60; k < 119; ++k) drive(k, k + 1);
+  file.close();
+  EXPECT_LT(report_of_ranks(2, {"run", path("spur.g2o")})["join"]["turned"], 1e-3) << "the start is the optimum";
+}
+
 }  // namespace
 }  // namespace mapjoin::testing
