@@ -26,6 +26,12 @@ TEST_F(UnusualLogsOnRanks, MayHaveAFeatureThatOnlyAPriorMeasures) {
   }
 }
 
+TEST_F(UnusualLogsOnRanks, MayBeginWithLongComments) {
+  const std::string comments(100'000, '#');
+  std::ofstream(path("long.g2o")) << comments << '\n' << content_of(bundled("manhattan2d.g2o"));
+  EXPECT_EQ(report_of_ranks(2, {"run", path("long.g2o")})["poses"], 1000);
+}
+
 TEST_F(UnusualLogsOnRanks, MayHaveAFixedPoseThatNothingIsMeasuredFrom) {
   std::ofstream file(path("lone.g2o"));
   for (int k = 0; k < 60; ++k) file << "VERTEX_SE2 " << k << ' ' << k << " 0 0\n";
