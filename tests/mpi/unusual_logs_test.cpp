@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <regex>
 #include <tests/mpi/ranks_test.hpp>
 
 namespace mapjoin::testing {
@@ -22,6 +23,29 @@ TEST_F(UnusualLogsOnRanks, MayHaveAFeatureThatOnlyAPriorMeasures) {
       const auto several = report_of_ranks(ranks, {"run", path("prior.g2o"), "--regions", regions});
       EXPECT_NEAR(several["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << ranks << " of " << regions;
       EXPECT_EQ(several["dof"], one["dof"]) << ranks << " of " << regions;
+    }
+  }
+}
+
+TEST_F(UnusualLogsOnRanks, MayHaveAPoseThatManyAreMeasuredFrom) {
+  for (const char* hub : {"0", "200", "399"}) {
+    std::ofstream file(path("hub.g2o"));
+    for (int k = 1; k < 400; ++k) file << "EDGE_SE2 " << k - 1 << ' ' << k << " 1 " << k % 3 * 0.1 << " 0 1 0 0 1 0 1\n";
+    for (int k = 2; k < 398; k += 3) {
+      if (std::abs(k - std::stoi(hub)) > 1)
+        file << "EDGE_SE2 " << hub << ' ' << k << ' ' << k - std::stoi(hub) << " 0 0 1 0 0 1 0 1\n";
+    }
+    file.close();
+    const auto one = report_of({"run", path("hub.g2o"), "--no-verdict"});
+    for (const char* regions : {"1", "3"}) {
+      const std::string summary =
+          call_ranks(2, {"run", path("hub.g2o"), "--regions", regions, "--report", path("report.json")}).out;
+      const auto several = nlohmann::json::parse(content_of(path("report.json")));
+      EXPECT_NEAR(several["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << hub << ", " << regions;
+      std::smatch shared;
+      ASSERT_TRUE(std::regex_search(summary, shared, std::regex("shared +[0-9]+ unknowns by ranks, ([0-9]+) by regions")))
+          << summary;
+      EXPECT_LT(std::stoi(shared[1]), 60) << hub << ", " << regions;
     }
   }
 }

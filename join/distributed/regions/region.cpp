@@ -228,7 +228,7 @@ Regions<Dim> regions_of(const Communicator& comm, const LogPart<Dim>& whole, Log
   Regions<Dim> regions{{whole.poses.size(), whole.features.size()}, per_rank, {}, {}};
   std::vector<Told<Dim>> told;
   {
-    const Table<PoseIndex, std::size_t> cut = region_of_poses(comm, whole, share, ranks * per_rank);
+    const Table<PoseIndex, std::int32_t> cut = region_of_poses(comm, whole, share, ranks * per_rank);
     Dealer<Dim> dealer(cut, per_rank, share, start);
     const std::vector<FixedPose<Dim>> none;
     for (std::size_t k = 0; k < per_rank; ++k) {

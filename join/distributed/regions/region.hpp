@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A log cut in space: each rank has the factors whose base lies in one of its regions.
+// A log cut in space: each rank has the factors of which a pose lies in one of its regions (see Dealer).
 
 #include <mapjoin/distributed/mpi/holdings.hpp>
 #include <mapjoin/distributed/reading/log_share.hpp>
