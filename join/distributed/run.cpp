@@ -138,9 +138,8 @@ Expected<AnyFound> run_on(const Communicator& comm, const Task& task, MappedLog<
     const Stopwatch watch(found.result.seconds.join);
     return start_of(comm, log.whole, log.share, std::move(log.maps), task.run);
   }();
-  auto regions = regions_of(comm, log.whole, std::move(log.share), std::move(start), task.regions);
-  if (!regions) return tl::unexpected(regions.error());
-  if (auto solved = solve(comm, task, log.whole, *regions, found); !solved) return tl::unexpected(solved.error());
+  Regions<Dim> regions = regions_of(comm, log.whole, std::move(log.share), std::move(start), task.regions);
+  if (auto solved = solve(comm, task, log.whole, regions, found); !solved) return tl::unexpected(solved.error());
   found.result.join.schedule = task.run.schedule;
   return AnyFound(std::move(found));
 }

@@ -114,11 +114,13 @@ std::vector<std::pair<PoseIndex, PoseIndex>> outline_poses(const LogShare<Dim>& 
                                                            const std::vector<PoseIndex>& referenced, PoseIndex anchor) {
   Table<PoseIndex, bool> is_in(share.poses.size(), false);
   for (const auto& o : observations) is_in[o.base] = true;
-  for (const PoseIndex place : {anchor, PoseIndex(0), PoseIndex(share.poses.size() - 1)}) is_in[place] = true;
+  is_in[anchor] = true;
+  const auto [first, last] = std::ranges::minmax(share.poses);  // where shares meet: they are cut by index
   std::vector<std::pair<PoseIndex, PoseIndex>> poses;
   for (const PoseIndex p : indices(share.poses)) {
-    const bool is_wanted = is_in[p] || std::ranges::binary_search(referenced, share.poses[p]);
-    if (is_wanted && joined.part[p] == part) poses.emplace_back(share.poses[p], p);
+    const PoseIndex index = share.poses[p];
+    const bool is_wanted = is_in[p] || index == first || index == last || std::ranges::binary_search(referenced, index);
+    if (is_wanted && joined.part[p] == part) poses.emplace_back(index, p);
   }
   std::ranges::sort(poses);
   return poses;

@@ -140,21 +140,24 @@ Expected<void> check_factors(const Log<Dim>& names, const FactorGraph<Dim>& grap
   return std::move(builder).finish(PoseOrder::kOfIds).map([](const Log<Dim>&) {});
 }
 
-/// The first poses of the shares, each where one segment ends and the next begins.
+/// The first poses of the shares, each where one segment ends and the next begins: at the first such pose from an even cut on,
+/// or before it if the shares behind would have none.
 Expected<std::vector<PoseIndex>> begins_of(const std::vector<Segment>& segments, std::size_t poses, int ranks,
                                            const std::string& source) {
   std::vector<PoseIndex> meetings;
   for (std::size_t k = 1; k < segments.size(); ++k) {
     if (segments[k].begin == segments[k - 1].end) meetings.push_back(segments[k].begin);
   }
-  std::vector<PoseIndex> begins{0};
   const std::vector<PoseIndex> even = even_begins(poses, ranks);
-  for (std::size_t r = 1; r < even.size(); ++r) {
-    const auto next = std::ranges::lower_bound(meetings, std::max(even[r], begins.back() + 1));
-    if (next == meetings.end()) {
-      return usage(
-          fmt::format("{}: its {} are too few for {}", source, plural(segments.size(), "segment"), plural(ranks, "rank")));
-    }
+  if (meetings.size() + 1 < even.size()) {
+    return usage(fmt::format("{}: its segments meet at {}, too few for {}", source, plural(meetings.size(), "pose"),
+                             plural(ranks, "rank")));
+  }
+  std::vector<PoseIndex> begins{0};
+  auto next = meetings.begin();
+  for (std::size_t r = 1; r < even.size(); ++r, ++next) {
+    const auto last = meetings.end() - static_cast<std::ptrdiff_t>(even.size() - r);
+    next = std::lower_bound(next, last, even[r]);
     begins.push_back(*next);
   }
   return begins;

@@ -22,11 +22,13 @@ struct Repeats {
 };
 
 /// True if two measurements of one thing, with the informations A and B, differ by more than the sum of their covariances
-/// allows. Uses (A⁻¹ + B⁻¹)⁻¹ = A (A + B)⁻¹ B, which exists for singular A and B, too.
+/// allows. Uses (A⁻¹ + B⁻¹)⁻¹ = A (A + B)⁻¹ B, which exists for singular A and B, too; whatever the units of their rows.
 template <int Size>
 bool contradict(const Vector<Size>& difference, const Matrix<Size>& A, const Matrix<Size>& B) {
-  const Eigen::MatrixXd sum = A + B;  // Dynamic size: a decomposition unrolled for each size takes a minute to compile.
-  const Matrix<Size> W = A * sum.completeOrthogonalDecomposition().solve(Eigen::MatrixXd(B));
+  const UnitScaled<Size> scaled = unit_scaled<Size>(A + B);
+  const Eigen::MatrixXd sum = scaled.W;  // Dynamic size: a decomposition unrolled for each size takes a minute to compile.
+  const Eigen::MatrixXd D_B = scaled.scale.asDiagonal() * B;
+  const Matrix<Size> W = A * scaled.scale.asDiagonal() * sum.completeOrthogonalDecomposition().solve(D_B);
   const double chi2 = difference.dot(W * difference);
   const auto rows = information_rank<Size>(Matrix<Size>(0.5 * (W + W.transpose())));
   return chi_squared_upper_tail(chi2, static_cast<double>(rows)) < kLeastProbability;

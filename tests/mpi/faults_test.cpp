@@ -35,6 +35,16 @@ TEST_F(FaultsOnRanks, SaysWhereWhatIsUndeclaredIsNamedOrLeavesItOut) {
               HasSubstr("feature.g2o: the log has no poses\n"));
 }
 
+TEST_F(FaultsOnRanks, NamesAPoseThatIsFixedButNotThere) {
+  std::ofstream file(path("fixed.g2o"));
+  for (int k = 0; k < 40; ++k) file << "EDGE_SE2 " << k << ' ' << k + 1 << " 1 0 0 1 0 0 1 0 1\n";
+  file << "FIX 99\n";
+  file.close();
+  const std::string sentence = "fixed.g2o: pose 99 is fixed, but the log has no such pose (features cannot be fixed)\n";
+  EXPECT_THAT(call({"run", path("fixed.g2o")}).err, HasSubstr(sentence));
+  for (const int ranks : {1, 2}) EXPECT_THAT(call_ranks(ranks, {"run", path("fixed.g2o")}).err, HasSubstr(sentence));
+}
+
 TEST_F(FaultsOnRanks, SaysWhatIsFreeToMoveAsOneProcessDoes) {
   std::ofstream(path("axis.g2o")) << content_of(bundled("manhattan2d.g2o")) << "EDGE_SE2_XY 10 9000 3 1 25 0 0\n";
   const std::string of_feature = "axis.g2o: feature 9000 cannot be determined: the observations leave it free to move\n";

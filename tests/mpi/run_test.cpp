@@ -217,9 +217,11 @@ TEST_F(RunOnRanks, RefusesMoreRanksThanTheLogIsWorth) {
               HasSubstr("3 poses are too few for 2 ranks: take fewer, or `mapjoin run` or, of stores, `mapjoin join`"));
   EXPECT_THAT(call_ranks(1, {"run", path("small.g2o")}).err,
               HasSubstr("3 poses are too few for 1 rank: take `mapjoin run` or"));
-  const Ended regions = call_ranks(1, {"run", bundled("manhattan2d.g2o"), "--regions", "1000"});
-  EXPECT_EQ(regions.exit_code, 2);
-  EXPECT_THAT(regions.err, HasSubstr("are too few for 1 rank of 1000 regions"));
+  for (const std::string many : {"1000", "4611686018427387904"}) {  // the latter so that 20 times as many would be none
+    const Ended regions = call_ranks(2, {"run", bundled("manhattan2d.g2o"), "--regions", many});
+    EXPECT_EQ(regions.exit_code, 2);
+    EXPECT_THAT(regions.err, HasSubstr("are too few for 2 ranks of " + many + " regions"));
+  }
 }
 
 TEST_F(RunOnRanks, RefusesFactorsThatAreTooLargeWithNumbers) {

@@ -132,6 +132,15 @@ TEST_F(StoresOfRanks, OfRealLogsInAnyFormatAreJoinedByRanks) {
   }
 }
 
+TEST_F(StoresOfRanks, MayEndWithASegmentThatIsLongerThanAShare) {
+  std::ofstream file(path("still.g2o"));  // a drive, then a stop
+  for (int k = 0; k < 400; ++k) file << "EDGE_SE2 " << k << ' ' << k + 1 << (k < 80 ? " 1" : " 0") << " 0 0 1 0 0 1 0 1\n";
+  file.close();
+  ASSERT_EQ(call({"build", path("still.g2o"), "-o", path("still.maps"), "--metres-per-map", "20"}).exit_code, 0);
+  const auto one = report_of({"join", path("still.maps"), "--no-verdict"});
+  for (const int ranks : {2, 4}) expect_the_same(report_of_ranks(ranks, {"join", path("still.maps")}), one);
+}
+
 TEST_F(StoresOfRanks, ThatARankCannotJoinAreRefused) {
   ASSERT_EQ(build(2, log).exit_code, 0);
   ASSERT_EQ(call({"build", bundled("manhattan3d.g2o"), "-o", path("space.maps")}).exit_code, 0);

@@ -40,7 +40,7 @@ Expected<void> check_forests(const std::vector<std::string>& forests, const LogP
 
 Expected<void> check_worth_it(const Communicator& comm, const std::string& source, const PoseIds& poses, std::size_t regions) {
   if (poses.empty()) return bad_input(source + ": the log has no poses");
-  if (poses.size() >= kLeastPoses * regions * static_cast<std::size_t>(comm.size())) return {};
+  if (poses.size() / (kLeastPoses * static_cast<std::size_t>(comm.size())) >= regions) return {};
   const std::string of_regions = regions > 1 ? " of " + plural(regions, "region") : "";
   const std::string fewer = regions > 1 || comm.size() > 1 ? "take fewer, or " : "take ";
   return tl::unexpected(

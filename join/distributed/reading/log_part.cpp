@@ -124,6 +124,7 @@ Expected<std::vector<FixedPose<Dim>>> fixed_poses(const Communicator& comm, cons
   std::string vertices;
   for (const std::string& some : comm.gather(part.vertices_of(fixed))) vertices += some;
   LogBuilder<Dim> builder(log.source);
+  builder.allow_no_poses();  // it names those that are not in the log
   if (!vertices.empty()) {
     auto values = read_g2o(TextScanner(log.source, vertices), options);
     if (!values) return tl::unexpected(values.error());

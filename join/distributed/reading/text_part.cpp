@@ -28,17 +28,26 @@ std::uint64_t id_in(std::string_view word) {
   return id;
 }
 
-/// Calls f(line with its end, its first word, the rest of it) for every line.
+/// Calls f(line with its end, its first word, the rest of it) for every line, until it returns true.
 template <typename F>
-void for_each_line(std::string_view text, F&& f) {
+void find_line(std::string_view text, F&& f) {
   while (!text.empty()) {
     const std::size_t size = std::min(text.find('\n'), text.size() - 1) + 1;
     const std::string_view line = text.substr(0, size);
     text.remove_prefix(size);
     std::string_view rest = line.substr(0, line.ends_with('\n') ? size - 1 : size);
     const std::string_view tag = take_word(rest);
-    f(line, tag, rest);
+    if (f(line, tag, rest)) return;
   }
+}
+
+/// Calls f(line with its end, its first word, the rest of it) for every line.
+template <typename F>
+void for_each_line(std::string_view text, F&& f) {
+  find_line(text, [&](std::string_view line, std::string_view tag, std::string_view rest) {
+    f(line, tag, rest);
+    return false;
+  });
 }
 
 bool is_pose_vertex(std::string_view tag) {
@@ -61,8 +70,9 @@ std::string_view range_of(std::string_view text, int rank, int size) {
 Expected<FileBytes> plain_g2o(const std::filesystem::path& path) {
   return FileBytes::read(path).and_then([&](FileBytes bytes) -> Expected<FileBytes> {
     std::string_view first;
-    for_each_line(bytes.view().substr(0, std::size_t{1} << 16), [&](std::string_view, std::string_view tag, std::string_view) {
-      if (first.empty() && !tag.starts_with('#')) first = tag;
+    find_line(bytes.view(), [&](std::string_view, std::string_view tag, std::string_view) {
+      if (!tag.starts_with('#')) first = tag;
+      return !first.empty();
     });
     if (is_g2o_tag(first)) return bytes;
     return bad_input(fmt::format(

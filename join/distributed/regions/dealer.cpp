@@ -34,13 +34,26 @@ Dealt<Dim> decoded(const std::string& message) {
 }
 
 template <int Dim>
-Dealer<Dim>::Dealer(const Table<PoseIndex, std::size_t>& regions, std::size_t per_rank, const LogShare<Dim>& share,
+Dealer<Dim>::Dealer(const Table<PoseIndex, std::int32_t>& regions, std::size_t per_rank, const LogShare<Dim>& share,
                     const Values<Dim>& values)
-    : regions_(regions), per_rank_(per_rank), share_(share), values_(values), place_of_(share.poses) {
+    : regions_(regions),
+      per_rank_(per_rank),
+      share_(share),
+      values_(values),
+      place_of_(share.poses),
+      degrees_(regions.size(), 0) {
   Table<PoseIndex, bool> is_told(share.poses.size());
-  for (const auto& o : share.log.edges()) is_told[o.base] = is_told[o.target] = true;
+  for (const auto& o : share.log.edges()) {
+    for (const PoseIndex p : {o.base, o.target}) {
+      is_told[p] = true;
+      ++degrees_[share.poses[p]];
+    }
+  }
   for (const auto& o : share.log.observations()) is_told[o.base] = true;
-  for (const auto& o : share.apart.pose_factors) is_told[own_place(o)] = true;
+  for (const auto& o : share.apart.pose_factors) {
+    is_told[own_place(o)] = true;
+    if (o.base != kWorld) ++degrees_[o.base], ++degrees_[o.target];
+  }
   for (const PoseIndex p : indices(is_told)) {
     if (!is_told[p]) told_by_none_.push_back(p);
   }
@@ -50,8 +63,9 @@ template <int Dim>
 std::vector<std::string> Dealer<Dim>::messages(std::size_t k, std::size_t ranks) {
   turn_ = k;
   hands_.assign(ranks, {{}, Table<PoseIndex, bool>(share_.poses.size()), Table<FeatureIndex, bool>(share_.features.size())});
-  for (const auto& o : share_.log.edges()) deal(o, &Dealt<Dim>::pose_factors);
-  for (const auto& o : share_.log.observations()) deal(o, &Dealt<Dim>::feature_factors);
+  const auto& poses = share_.poses;
+  for (const auto& o : share_.log.edges()) deal(o, home_of(poses[o.base], poses[o.target]), &Dealt<Dim>::pose_factors);
+  for (const auto& o : share_.log.observations()) deal(o, poses[o.base], &Dealt<Dim>::feature_factors);
   for (const auto& o : share_.apart.pose_factors) deal_apart(o);
   for (const PoseIndex p : told_by_none_) {
     for (Hand& hand : hands_) give(p, hand);
@@ -64,14 +78,19 @@ std::vector<std::string> Dealer<Dim>::messages(std::size_t k, std::size_t ranks)
 
 template <int Dim>
 typename Dealer<Dim>::Hand* Dealer<Dim>::hand_of(PoseIndex pose) {
-  const std::size_t region = regions_[pose];
+  const auto region = static_cast<std::size_t>(regions_[pose]);
   return region % per_rank_ == turn_ ? &hands_[region / per_rank_] : nullptr;
 }
 
 template <int Dim>
+PoseIndex Dealer<Dim>::home_of(PoseIndex base, PoseIndex target) const {
+  return degrees_[target] < degrees_[base] ? target : base;
+}
+
+template <int Dim>
 template <typename Factor>
-void Dealer<Dim>::deal(Factor o, std::vector<Factor> Dealt<Dim>::*factors) {
-  Hand* hand = hand_of(o.base);
+void Dealer<Dim>::deal(Factor o, PoseIndex home, std::vector<Factor> Dealt<Dim>::*factors) {
+  Hand* hand = hand_of(home);
   if (!hand) return;
   give(o.base, *hand);
   give(o.target, *hand);
@@ -86,11 +105,10 @@ PoseIndex Dealer<Dim>::own_place(const PoseFactor<Dim>& o) const {
 
 template <int Dim>
 void Dealer<Dim>::deal_apart(const PoseFactor<Dim>& o) {
-  const PoseIndex place = own_place(o);
-  Hand* hand = hand_of(place);
+  Hand* hand = hand_of(o.base == kWorld ? o.target : home_of(o.base, o.target));
   if (!hand) return;
   hand->dealt.pose_factors.push_back(o);
-  give(place, *hand);
+  give(own_place(o), *hand);
 }
 
 template <int Dim>

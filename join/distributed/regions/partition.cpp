@@ -67,8 +67,8 @@ BlockGraph graph_of(const std::vector<std::string>& messages, std::size_t vertic
 }  // namespace
 
 template <int Dim>
-Table<PoseIndex, std::size_t> region_of_poses(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
-                                              std::size_t count) {
+Table<PoseIndex, std::int32_t> region_of_poses(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                                               std::size_t count) {
   const Vertices of(whole.poses.size(), whole.features.size());
   const std::vector<std::string> messages = comm.collect(Writer().put(links_of(of, share)).bytes());
   std::string parts;
@@ -77,12 +77,14 @@ Table<PoseIndex, std::size_t> region_of_poses(const Communicator& comm, const Lo
   }
   parts = comm.broadcast(std::move(parts), 0);
   const Table<Variable, std::int32_t> part(Reader(parts).take<std::int32_t>());
-  Table<PoseIndex, std::size_t> regions;
-  for (const PoseIndex p : share.poses) regions.push_back(static_cast<std::size_t>(part[of.run(p)]));
+  Table<PoseIndex, std::int32_t> regions;
+  for (const PoseIndex p : indices(whole.poses)) regions.push_back(part[of.run(p)]);
   return regions;
 }
 
-template Table<PoseIndex, std::size_t> region_of_poses(const Communicator&, const LogPart<2>&, const LogShare<2>&, std::size_t);
-template Table<PoseIndex, std::size_t> region_of_poses(const Communicator&, const LogPart<3>&, const LogShare<3>&, std::size_t);
+template Table<PoseIndex, std::int32_t> region_of_poses(const Communicator&, const LogPart<2>&, const LogShare<2>&,
+                                                        std::size_t);
+template Table<PoseIndex, std::int32_t> region_of_poses(const Communicator&, const LogPart<3>&, const LogShare<3>&,
+                                                        std::size_t);
 
 }  // namespace mapjoin::distributed

@@ -12,7 +12,7 @@
 namespace mapjoin::distributed {
 namespace {
 
-/// The poses and features that factors refer to.
+/// The poses and features that a graph refers to.
 template <int Dim>
 void list_referenced(const FactorGraph<Dim>& graph, Region<Dim>& region) {
   const auto add_pose = [&](PoseIndex pose) {
@@ -26,6 +26,7 @@ void list_referenced(const FactorGraph<Dim>& graph, Region<Dim>& region) {
     add_pose(o.base);
     region.features.push_back(o.target);
   }
+  for (const auto& fixed : graph.fixed) add_pose(fixed.pose);
   make_distinct(region.poses);
   make_distinct(region.features);
   region.poses.shrink_to_fit();
@@ -46,7 +47,7 @@ template <int Dim>
 struct Told {
   explicit Told(const Region<Dim>& region) : poses(region.poses.size(), false), features(region.features.size(), false) {}
 
-  bool all_features() const { return std::ranges::find(features, false) == features.end(); }
+  bool has_all_features() const { return std::ranges::find(features, false) == features.end(); }
 
   Table<PoseIndex, bool> poses;
   Table<FeatureIndex, bool> features;
@@ -70,10 +71,13 @@ void take(const Dealt<Dim>& given, bool takes_all, Region<Dim>& region, Told<Dim
   take(given.features, given.feature_values, takes_all, region.features, region.start.features, told.features);
 }
 
-/// Adds the region of which each rank dealt a part. If several give a value, the first rank's counts.
+/// Adds the region of which each rank dealt a part, and which has these fixed poses. If several give a value, the first rank's
+/// counts.
 template <int Dim>
-void receive(std::vector<std::string> messages, std::vector<Region<Dim>>& regions, std::vector<Told<Dim>>& told) {
+void receive(std::vector<std::string> messages, const std::vector<FixedPose<Dim>>& fixed, std::vector<Region<Dim>>& regions,
+             std::vector<Told<Dim>>& told) {
   FactorGraph<Dim> graph;
+  graph.fixed = fixed;
   std::vector<Dealt<Dim>> dealt;
   for (std::string& message : messages) {
     auto& d = dealt.emplace_back(decoded<Dim>(std::exchange(message, {})));
@@ -162,6 +166,15 @@ void make_equal(const Communicator& comm, Regions<Dim>& regions, std::vector<Tol
   for (std::size_t k = 0; k < regions.own.size(); ++k) take(values, true, regions.own[k], told[k]);
 }
 
+/// Starts features that have a prior but are never observed, which no share knows, where that prior has them.
+template <int Dim>
+void start_at_priors(const Told<Dim>& told, Region<Dim>& region) {
+  if (told.has_all_features()) return;
+  for (const auto& o : factors_of(region).feature_factors) {
+    if (!told.features[o.target]) region.start.features[o.target] = o.measured;
+  }
+}
+
 /// Fixes the gauge: by fixed poses and priors, otherwise by the first pose.
 template <int Dim>
 void anchor(const Communicator& comm, const LogPart<Dim>& whole, bool has_priors, std::vector<Region<Dim>>& regions) {
@@ -209,24 +222,26 @@ PartialMap<Dim> partial_map_of(const Region<Dim>& region, const FactorGraph<Dim>
 }
 
 template <int Dim>
-Expected<Regions<Dim>> regions_of(const Communicator& comm, const LogPart<Dim>& whole, LogShare<Dim> share, Values<Dim> start,
-                                  std::size_t per_rank) {
+Regions<Dim> regions_of(const Communicator& comm, const LogPart<Dim>& whole, LogShare<Dim> share, Values<Dim> start,
+                        std::size_t per_rank) {
   const auto ranks = static_cast<std::size_t>(comm.size());
   Regions<Dim> regions{{whole.poses.size(), whole.features.size()}, per_rank, {}, {}};
   std::vector<Told<Dim>> told;
   {
-    const Table<PoseIndex, std::size_t> cut = region_of_poses(comm, whole, share, ranks * per_rank);
+    const Table<PoseIndex, std::int32_t> cut = region_of_poses(comm, whole, share, ranks * per_rank);
     Dealer<Dim> dealer(cut, per_rank, share, start);
-    for (std::size_t k = 0; k < per_rank; ++k) receive(comm.exchange(dealer.messages(k, ranks)), regions.own, told);
+    const std::vector<FixedPose<Dim>> none;
+    for (std::size_t k = 0; k < per_rank; ++k) {
+      const bool is_first = comm.is_root() && k == 0;  // has the fixed poses that no factor refers to
+      receive(comm.exchange(dealer.messages(k, ranks)), is_first ? whole.graph.fixed : none, regions.own, told);
+    }
   }
   const bool holds_priors = has_priors(share.apart);
   share = {};
   start = {};
   regions.shared = shared_by(comm, regions);
   make_equal(comm, regions, told);
-  if (comm.any(!std::ranges::all_of(told, &Told<Dim>::all_features))) {
-    return bad_input_of(whole.source, "a feature has a prior but is never observed");
-  }
+  for (std::size_t k = 0; k < per_rank; ++k) start_at_priors(told[k], regions.own[k]);
   anchor(comm, whole, holds_priors, regions.own);
   return regions;
 }
@@ -234,7 +249,7 @@ Expected<Regions<Dim>> regions_of(const Communicator& comm, const LogPart<Dim>& 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                     \
   template FactorGraph<Dim> factors_of(const Region<Dim>&);                                          \
   template PartialMap<Dim> partial_map_of(const Region<Dim>&, const FactorGraph<Dim>&, Values<Dim>); \
-  template Expected<Regions<Dim>> regions_of(const Communicator&, const LogPart<Dim>&, LogShare<Dim>, Values<Dim>, std::size_t);
+  template Regions<Dim> regions_of(const Communicator&, const LogPart<Dim>&, LogShare<Dim>, Values<Dim>, std::size_t);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

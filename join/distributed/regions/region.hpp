@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A log cut in space: each rank has the factors whose base lies in one of its regions.
+// A log cut in space: each rank has the factors of which a pose lies in one of its regions (see Dealer).
 
 #include <mapjoin/distributed/mpi/holdings.hpp>
 #include <mapjoin/distributed/reading/log_share.hpp>
@@ -23,8 +23,8 @@ struct Numbering {
   }
 };
 
-/// A region of a log: the poses and features that its factors refer to have places in it. Vectors are over the StateVariables
-/// of these.
+/// A region of a log: the poses and features that its factors refer to have places in it, in the first one all fixed poses,
+/// too. Vectors are over the StateVariables of these.
 template <int Dim>
 struct Region {
   Table<PoseIndex, PoseIndex> poses;           ///< Index among all names by place, ascending.
@@ -56,10 +56,9 @@ struct Regions {
   std::vector<Holding> shared;   ///< Poses and features that several regions have, at the same value in each; on all ranks.
 };
 
-/// The regions of a log, `per_rank` on each rank; its shares and their initial values are given up. kBadInput, the same on all
-/// ranks, if a feature is never observed.
+/// The regions of a log, `per_rank` on each rank; its shares and their initial values are given up.
 template <int Dim>
-Expected<Regions<Dim>> regions_of(const Communicator& comm, const LogPart<Dim>& whole, LogShare<Dim> share, Values<Dim> start,
-                                  std::size_t per_rank);
+Regions<Dim> regions_of(const Communicator& comm, const LogPart<Dim>& whole, LogShare<Dim> share, Values<Dim> start,
+                        std::size_t per_rank);
 
 }  // namespace mapjoin::distributed

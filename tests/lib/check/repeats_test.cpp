@@ -58,6 +58,17 @@ TYPED_TEST(Repeats, TellCopiesFromSecondMeasurementsAndFromContradictions) {
   EXPECT_THAT(found<Dim>(edge, moved_by(1.0)), ElementsAre("contradiction"));
 }
 
+TYPED_TEST(Repeats, ContradictEachOtherInAnyUnit) {
+  constexpr int Dim = TypeParam::value;
+  for (const double metres : {1.0, 1e-3, 1e-9}) {  // in a unit of translations
+    PoseMatrix<Dim> W = 1e8 * PoseMatrix<Dim>::Identity();
+    W.template topLeftCorner<Dim, Dim>() *= metres * metres;
+    MeasuredEdge<Dim> other{{}, W};
+    other.measured.translation[0] = 0.01 / metres;
+    EXPECT_THAT(found<Dim>({{}, W}, other), ElementsAre("contradiction")) << metres;
+  }
+}
+
 TYPED_TEST(Repeats, ContradictOnlyWhereChanceHardlyAllowsIt) {
   constexpr int Dim = TypeParam::value;
   const PoseMatrix<Dim> W = 1e4 * PoseMatrix<Dim>::Identity();  // 1 cm each, 1.41 cm of the difference
