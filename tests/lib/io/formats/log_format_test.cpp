@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,6 +22,8 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 template <typename Dimension>
 class LogFormatTest : public ::testing::Test {
@@ -243,6 +246,16 @@ TEST(LogFormats, AFormatIsKnownBehindLinesThatMayBeLeftOut) {
                 EndsWith("nothing:1:1: no log format has lines that begin with 'hello'; --from names the format"))
         << "for nothing would be left";
   }
+}
+
+TEST(LogFormats, AFormatIsKnownInAFewPassesOverTheFile) {
+  constexpr int kLines = 100'000;  // so many passes would take minutes
+  std::string edges;
+  for (int k = 0; k < kLines; ++k) edges += fmt::format("EDGE2 {} {} 1 0 0 1 0 1 1 0 0\n", k, k + 1);
+  const auto toro = read_log(edges, "toro", {.from = LogFormat::kToro, .skip_unknown = true});
+  EXPECT_THAT(std::get<Log<2>>(toro.value()).edges(), SizeIs(kLines));
+  const std::string blanks(kLines, '\n');
+  EXPECT_THAT(read_log("hello" + blanks + "world", "nothing", {}).error().message, StartsWith("nothing:1:1: no log format"));
 }
 
 }  // namespace
