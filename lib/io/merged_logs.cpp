@@ -136,15 +136,17 @@ bool is_redundant(const Part& part) {
   return measured >= part.poses.size() + part.features.size();
 }
 
-/// Releases the fixed poses of every log behind the first that fixes any; the number of released poses.
+/// Releases the fixed poses of every log but the one that holds the map: the first with priors, since what they say is of the
+/// World, otherwise the first that fixes any; the number of released poses.
 template <int Dim>
-std::int64_t release_later(std::vector<Log<Dim>>& logs) {
+std::int64_t release_others(std::vector<Log<Dim>>& logs) {
+  const auto has_priors = [](const Log<Dim>& log) { return !log.pose_priors().empty() || !log.feature_priors().empty(); };
+  const auto fixes_any = [](const Log<Dim>& log) { return !log.graph.fixed.empty(); };
+  auto holder = std::ranges::find_if(logs, has_priors);
+  if (holder == logs.end()) holder = std::ranges::find_if(logs, fixes_any);
   std::int64_t released = 0;
-  const auto first = std::ranges::find_if(logs, [](const Log<Dim>& log) { return !log.graph.fixed.empty(); });
-  for (auto log = first; log != logs.end(); ++log) {
-    if (log == first) continue;
-    released += static_cast<std::int64_t>(log->graph.fixed.size());
-    log->graph.fixed.clear();
+  for (auto log = logs.begin(); log != logs.end(); ++log) {
+    if (log != holder) released += std::ssize(std::exchange(log->graph.fixed, {}));
   }
   return released;
 }
@@ -225,7 +227,7 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
   for (const Log<Dim>& log : logs) named.push_back({log.source, log.conventions});
   const auto conventions = common_conventions(named);
   if (!conventions) return tl::unexpected(conventions.error());
-  const std::int64_t released = release_later(logs);
+  const std::int64_t released = release_others(logs);
   const std::int64_t stamps = drop_partial_stamps(logs);
   const std::int64_t values = drop_values_of_own_frames(logs);
   const auto sessions = first_sessions(logs);
@@ -243,7 +245,7 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
     builder.add_pose_edge(edge.base, edge.target, edge.measured, edge.information);
   }
   if (ties.copies() > 0) builder.add_skipped("copies of edges in another file", ties.copies());
-  if (released > 0) builder.add_skipped("fixed poses of later files", released);
+  if (released > 0) builder.add_skipped("fixed poses of other files", released);
   if (stamps > 0) builder.add_skipped("time stamps that other files lack", stamps);
   if (values > 0) builder.add_skipped("initial values, each in the frame of its file", values);
   return std::move(builder).finish();

@@ -92,7 +92,22 @@ TEST(MergedLogs, TheFirstThatFixesPosesHoldsTheMap) {
   const auto log = merged<2>({log_of("b", edge(5, 6)), fixed, fixed}).value();
   ASSERT_THAT(log.graph.fixed, SizeIs(1));
   EXPECT_EQ(log.poses[log.graph.fixed[0].pose], (PoseId{1, 1}));
-  EXPECT_EQ(log.skipped.at("fixed poses of later files"), 1);
+  EXPECT_EQ(log.skipped.at("fixed poses of other files"), 1);
+}
+
+TEST(MergedLogs, TheFirstWithPriorsHoldsTheMapBeforeAnyThatFixesPoses) {
+  const auto fixed = log_of("a", vertices(0, 2) + edge(0, 1) + "FIX 1\n");
+  const std::string position = "EDGE_PRIOR_SE2_XY 1 4e5 5e6 1 0 1\n";
+  const auto placed = log_of("b", vertices(0, 2) + edge(0, 1) + position);
+  for (const auto& log : {merged<2>({fixed, placed}).value(), merged<2>({placed, fixed}).value()}) {
+    EXPECT_THAT(log.graph.fixed, SizeIs(0)) << "in a frame of its own, and not that of the priors";
+    EXPECT_THAT(log.pose_priors(), SizeIs(1));
+    EXPECT_EQ(log.skipped.at("fixed poses of other files"), 1);
+  }
+  const auto both = log_of("c", vertices(0, 2) + edge(0, 1) + position + "FIX 0\n");
+  const auto log = merged<2>({fixed, both}).value();
+  ASSERT_THAT(log.graph.fixed, SizeIs(1));
+  EXPECT_EQ(log.poses[log.graph.fixed[0].pose], (PoseId{1, 0}));
 }
 
 TEST(MergedLogs, KeepTimeStampsOnlyIfAllHaveThem) {
