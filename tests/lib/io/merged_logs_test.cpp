@@ -4,6 +4,7 @@
 
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/merged_logs.hpp>
+#include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <string>
 #include <tests/support/error_of.hpp>
@@ -75,6 +76,19 @@ TEST(MergedLogs, AnEdgeThatStandsInTwoLogsCountsOnceUnlessAllAreKept) {
   EXPECT_THAT(log.closures(), SizeIs(4)) << "two of a, the one of b with other numbers, and that of c to a";
   EXPECT_EQ(log.skipped.at("copies of edges in another file"), 2);
   EXPECT_THAT(merged<2>({a, b, c}, {.keep_copies = true})->edges(), SizeIs(3 + 4 + 2));
+}
+
+TEST(MergedLogs, EveryEdgeOfALogMayStandInAnotherToo) {
+  constexpr int kPoses = 100'000;
+  std::string edges;
+  for (std::uint64_t k = 0; k + 1 < 2 * kPoses; ++k) edges += edge(k, k + 1);
+  const auto a = log_of("a", vertices(0, kPoses) + edges);
+  const auto b = log_of("b", vertices(kPoses, kPoses) + edges);
+  const EffortMeter meter;
+  const auto log = merged<2>({a, b}).value();
+  EXPECT_LT(meter.so_far().cpu_seconds, 20.0) << "a look at every edge for every edge takes a minute";
+  EXPECT_THAT(log.edges(), SizeIs(2 * kPoses - 1));
+  EXPECT_EQ(log.skipped.at("copies of edges in another file"), 2 * kPoses - 1);
 }
 
 TEST(MergedLogs, NameAnEdgeToAPoseThatNoLogOrSeveralDeclare) {
