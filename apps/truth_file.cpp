@@ -92,6 +92,13 @@ AnyLog with_values(AnyLog log, const std::string& path) {
   return log;
 }
 
+/// The names that a trajectory has for so many poses.
+PoseIds counts(std::size_t poses) {
+  PoseIds names;
+  for (std::size_t k = 0; k < poses; ++k) names.push_back({0, k});
+  return names;
+}
+
 tl::unexpected<Error> both_under_way(std::uint32_t session, std::uint32_t other, double time) {
   return tl::unexpected(
       Error{ErrorKind::kUsage,
@@ -118,6 +125,14 @@ Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time(const std::vector<S
     found[p] = in_dimension<Dim>(line->pose);
   }
   return found;
+}
+
+bool is_trajectory_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto bytes = std::filesystem::is_regular_file(path, ignored) ? FileBytes::read(path) : bad_input("");
+  if (!bytes) return false;
+  const TextScanner text(path.string(), bytes->view());
+  return is_tum_line(text) || is_kitti_line(text);
 }
 
 TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : path_(path.string()), most_apart_(most_apart) {
@@ -148,24 +163,42 @@ void TruthFile::demand_counts() const {
                               "of a run has them");
 }
 
+template <typename Found>
+Found TruthFile::told(Expected<Found> found) const {
+  if (found) return *std::move(found);
+  fail(found.error().kind, fmt::format("{}: {}; a table like poses.csv does, by its column session, and `mapjoin error` "
+                                       "measures the trajectory_K.tum of one session",
+                                       path_, found.error().message));
+}
+
+template <int Dim>
+Table<PoseIndex, std::optional<Pose<Dim>>> TruthFile::poses_in(const Log<Dim>& truth, const PoseIds& poses,
+                                                               const Table<PoseIndex, std::int64_t>& stamps_ns) const {
+  if (!is_map_trajectory_) return by_name(truth.poses, truth.initial.poses, poses);
+  if (stamps_ns.empty() || truth.stamps_ns.empty()) return by_name(counts(truth.poses.size()), truth.initial.poses, poses);
+  std::vector<StampedPose> lines, of_map;
+  for (const PoseIndex p : indices(truth.stamps_ns)) {
+    lines.push_back({in_seconds(truth.stamps_ns[p]), in_space(truth.initial.poses[p])});
+  }
+  for (const std::int64_t stamp : stamps_ns) of_map.push_back({in_seconds(stamp), {}});
+  told(by_time<Dim>(of_map, truth.poses, truth.stamps_ns, most_apart_));  // of which session of the truth the map is
+  return told(by_time<Dim>(lines, poses, stamps_ns, most_apart_));
+}
+
 template <int Dim>
 Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
     const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
     if (has_times_ && !stamps_ns.empty()) {
-      auto timed = by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_);
-      if (timed) return {std::move(*timed), no_features};
-      fail(timed.error().kind, fmt::format("{}: {}; a table like poses.csv does, by its column session, and `mapjoin error` "
-                                           "measures the trajectory_K.tum of one session",
-                                           path_, timed.error().message));
+      return {told(by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_)), no_features};
     }
     demand_counts();
     return {by_count<Dim>(*trajectory, counted_.empty() ? poses : counted_, poses), no_features};
   }
   const auto* log = std::get_if<Log<Dim>>(&std::get<AnyLog>(content_));
   if (!log) fail(ErrorKind::kUsage, fmt::format("{}: the truth is not in {}D, as the map is", path_, Dim));
-  return {by_name(log->poses, log->initial.poses, poses), by_name(log->features, log->initial.features, features)};
+  return {poses_in(*log, poses, stamps_ns), by_name(log->features, log->initial.features, features)};
 }
 
 std::vector<std::pair<PoseIndex, PoseIndex>> TruthFile::relations(const PoseIds& poses) const {
@@ -173,9 +206,11 @@ std::vector<std::pair<PoseIndex, PoseIndex>> TruthFile::relations(const PoseIds&
   if (const auto* log = std::get_if<AnyLog>(&content_)) {
     const IndexOf index_of(poses);
     const auto add = [&](const auto& any) {
+      if (is_map_trajectory_ && !any.stamps_ns.empty()) return;
+      const PoseIds names = is_map_trajectory_ ? counts(any.poses.size()) : any.poses;
       for (const auto& edge : any.edges()) {
-        const auto base = index_of(any.poses[edge.base]);
-        const auto target = index_of(any.poses[edge.target]);
+        const auto base = index_of(names[edge.base]);
+        const auto target = index_of(names[edge.target]);
         if (base && target) pairs.emplace_back(*base, *target);
       }
     };

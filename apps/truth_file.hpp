@@ -41,6 +41,10 @@ Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time(const std::vector<S
                                                              const Table<PoseIndex, std::int64_t>& stamps_ns,
                                                              double most_apart);
 
+/// True for a file with a trajectory of TUM's or KITTI's, whose poses have no names. False for a pipe, which can be read only
+/// once.
+bool is_trajectory_file(const std::filesystem::path& path);
+
 /// The truth in a file. All of it may fail() (see exit_code.hpp).
 class TruthFile {
  public:
@@ -55,6 +59,10 @@ class TruthFile {
     if (whole.stamps_ns.empty()) demand_counts();
     counted_ = whole.poses;
   }
+  /// Takes the map for that of a trajectory file from now on, whose names are but counts: also in a truth with names its poses
+  /// are found by time stamp or, if one of them has none, by count.
+  void take_map_for_trajectory() { is_map_trajectory_ = true; }
+
   /// The truth of a map or of a log with these names: by name or, for the poses of a trajectory, by time stamp or, if it or the
   /// map has none, by count. kUsage if the dimensions differ, and as for by_time() and count_among().
   template <int Dim>
@@ -67,17 +75,24 @@ class TruthFile {
   Truth<Dim> of(const Log<Dim>& log) const {
     return of<Dim>(log.poses, log.features, log.stamps_ns);
   }
-  /// The pairs of these poses that edges of the truth tie.
+  /// The pairs of these poses that edges of the truth tie; none for a trajectory if the truth has time stamps.
   std::vector<std::pair<PoseIndex, PoseIndex>> relations(const PoseIds& poses) const;
 
  private:
   void demand_counts() const;
+  /// The poses that were found by time; fails with what by_time() says.
+  template <typename Found>
+  Found told(Expected<Found> found) const;
+  template <int Dim>
+  Table<PoseIndex, std::optional<Pose<Dim>>> poses_in(const Log<Dim>& truth, const PoseIds& poses,
+                                                      const Table<PoseIndex, std::int64_t>& stamps_ns) const;
 
   std::string path_;
   double most_apart_;
   std::variant<AnyLog, std::vector<StampedPose>> content_;
-  bool has_times_ = false;  ///< True for a trajectory whose lines begin with more than a count.
-  PoseIds counted_;         ///< Set by count_among().
+  bool has_times_ = false;          ///< True for a trajectory whose lines begin with more than a count.
+  bool is_map_trajectory_ = false;  ///< Set by take_map_for_trajectory().
+  PoseIds counted_;                 ///< Set by count_among().
 };
 
 }  // namespace mapjoin::apps

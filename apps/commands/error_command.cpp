@@ -40,7 +40,8 @@ GlobalMap<Dim> map_of(Log<Dim> log) {
 ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop) {
   CommandRun command_run("error", options, stop);
   command_run.prepare(report_of(options));
-  const TruthFile truth(options.true_map, options.most_apart);
+  TruthFile truth(options.true_map, options.most_apart);
+  if (is_trajectory_file(options.input)) truth.take_map_for_trajectory();
   const auto errors_in = [&](auto&& log) { return errors_of(map_of(std::move(log)), truth, options.errors); };
   const TruthErrors errors = std::visit(errors_in, command_run.read_log());
   if (errors.absolute.translation.count == 0) {

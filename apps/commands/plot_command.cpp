@@ -90,7 +90,9 @@ std::string drawn(const PlotOptions& options, const Scene<Dim>& scene) {
 /// Reads the truth of the first map, and says of how few poses it is if not of all.
 template <int Dim>
 Truth<Dim> read_truth(const PlotOptions& options, const GlobalMap<Dim>& first) {
-  const Truth<Dim> truth = TruthFile(options.truth_of_first, kMatchingTimes).of(first);
+  TruthFile file(options.truth_of_first, kMatchingTimes);
+  if (is_trajectory_file(options.inputs.front())) file.take_map_for_trajectory();
+  const Truth<Dim> truth = file.of(first);
   const auto known = std::ranges::count_if(truth.poses, [](const auto& pose) { return pose.has_value(); });
   if (known < std::ssize(truth.poses)) {
     say(fmt::format("{}: has {} of the {} of the first map, and is drawn at no others", options.truth_of_first.string(), known,

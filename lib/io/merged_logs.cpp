@@ -43,11 +43,26 @@ bool same_numbers(const NamedEdge<Dim>& a, const Pose<Dim>& measured, const Pose
   return a.measured == measured && a.information == information;
 }
 
+template <int Dim>
+std::pair<PoseIndex, PoseIndex> ends_by_index(const PoseFactor<Dim>* edge) {
+  return {edge->base, edge->target};
+}
+
+/// The edges of a log, by their ends.
+template <int Dim>
+std::vector<const PoseFactor<Dim>*> edges_by_ends(const Log<Dim>& log) {
+  std::vector<const PoseFactor<Dim>*> edges;
+  for (const PoseFactor<Dim>& edge : log.edges()) edges.push_back(&edge);
+  std::ranges::sort(edges, {}, ends_by_index<Dim>);
+  return edges;
+}
+
 /// Edges between poses of different logs, or between poses of one log that stand in another.
 template <int Dim>
 class Ties {
  public:
-  Ties(const std::vector<Log<Dim>>& logs, const std::vector<std::uint32_t>& first) : logs_(logs), first_(first) {
+  Ties(const std::vector<Log<Dim>>& logs, const std::vector<std::uint32_t>& first)
+      : logs_(logs), first_(first), own_edges_(logs.size()) {
     for (const Log<Dim>& log : logs) pose_of_.emplace_back(log.poses);
   }
 
@@ -74,29 +89,35 @@ class Ties {
 
  private:
   /// True if a log before this one, or the log of both poses, has the edge.
-  bool is_copy(const NamedEdge<Dim>& edge, std::size_t before) const {
+  bool is_copy(const NamedEdge<Dim>& edge, std::size_t before) {
     const auto [begin, end] = known_.equal_range({edge.base, edge.target});
     for (auto known = begin; known != end; ++known) {
       if (known->second < before && same_numbers(edges_[known->second], edge.measured, edge.information)) return true;
     }
     return is_inside(edge);
   }
-  bool is_inside(const NamedEdge<Dim>& edge) const {
-    const auto owner = std::ranges::upper_bound(first_, edge.base.session) - first_.begin() - 1;
-    const Log<Dim>& log = logs_[static_cast<std::size_t>(owner)];
-    const auto& pose_of = pose_of_[static_cast<std::size_t>(owner)];
-    const std::uint32_t first = first_[static_cast<std::size_t>(owner)];
+  /// True if the log of both poses has the edge.
+  bool is_inside(const NamedEdge<Dim>& edge) {
+    const auto owner = static_cast<std::size_t>(std::ranges::upper_bound(first_, edge.base.session) - first_.begin() - 1);
+    const auto& pose_of = pose_of_[owner];
+    const std::uint32_t first = first_[owner];
     if (edge.target.session < first) return false;
     const auto base = pose_of({edge.base.session - first, edge.base.key});
     const auto target = pose_of({edge.target.session - first, edge.target.key});
-    return base && target && std::ranges::any_of(log.edges(), [&](const PoseFactor<Dim>& own) {
-             return own.base == *base && own.target == *target && same_numbers(edge, own.measured, own.information);
-           });
+    if (!base || !target) return false;
+    if (!own_edges_[owner]) own_edges_[owner] = edges_by_ends(logs_[owner]);
+    const std::pair ends(*base, *target);
+    auto own = std::ranges::lower_bound(*own_edges_[owner], ends, {}, ends_by_index<Dim>);
+    for (; own != own_edges_[owner]->end() && ends_by_index(*own) == ends; ++own) {
+      if (same_numbers(edge, (*own)->measured, (*own)->information)) return true;
+    }
+    return false;
   }
 
   const std::vector<Log<Dim>>& logs_;
   const std::vector<std::uint32_t>& first_;
   PoseOf<Dim> pose_of_;
+  std::vector<std::optional<std::vector<const PoseFactor<Dim>*>>> own_edges_;  // by their ends, once they are asked for
   std::vector<NamedEdge<Dim>> edges_;
   std::multimap<std::pair<PoseId, PoseId>, std::size_t> known_;
   std::int64_t copies_ = 0;
@@ -136,15 +157,17 @@ bool is_redundant(const Part& part) {
   return measured >= part.poses.size() + part.features.size();
 }
 
-/// Releases the fixed poses of every log behind the first that fixes any; the number of released poses.
+/// Releases the fixed poses of every log but the one that holds the map: the first with priors, since what they say is of the
+/// World, otherwise the first that fixes any; the number of released poses.
 template <int Dim>
-std::int64_t release_later(std::vector<Log<Dim>>& logs) {
+std::int64_t release_others(std::vector<Log<Dim>>& logs) {
+  const auto has_priors = [](const Log<Dim>& log) { return !log.pose_priors().empty() || !log.feature_priors().empty(); };
+  const auto fixes_any = [](const Log<Dim>& log) { return !log.graph.fixed.empty(); };
+  auto holder = std::ranges::find_if(logs, has_priors);
+  if (holder == logs.end()) holder = std::ranges::find_if(logs, fixes_any);
   std::int64_t released = 0;
-  const auto first = std::ranges::find_if(logs, [](const Log<Dim>& log) { return !log.graph.fixed.empty(); });
-  for (auto log = first; log != logs.end(); ++log) {
-    if (log == first) continue;
-    released += static_cast<std::int64_t>(log->graph.fixed.size());
-    log->graph.fixed.clear();
+  for (auto log = logs.begin(); log != logs.end(); ++log) {
+    if (log != holder) released += std::ssize(std::exchange(log->graph.fixed, {}));
   }
   return released;
 }
@@ -225,7 +248,7 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
   for (const Log<Dim>& log : logs) named.push_back({log.source, log.conventions});
   const auto conventions = common_conventions(named);
   if (!conventions) return tl::unexpected(conventions.error());
-  const std::int64_t released = release_later(logs);
+  const std::int64_t released = release_others(logs);
   const std::int64_t stamps = drop_partial_stamps(logs);
   const std::int64_t values = drop_values_of_own_frames(logs);
   const auto sessions = first_sessions(logs);
@@ -243,7 +266,7 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
     builder.add_pose_edge(edge.base, edge.target, edge.measured, edge.information);
   }
   if (ties.copies() > 0) builder.add_skipped("copies of edges in another file", ties.copies());
-  if (released > 0) builder.add_skipped("fixed poses of later files", released);
+  if (released > 0) builder.add_skipped("fixed poses of other files", released);
   if (stamps > 0) builder.add_skipped("time stamps that other files lack", stamps);
   if (values > 0) builder.add_skipped("initial values, each in the frame of its file", values);
   return std::move(builder).finish();

@@ -44,6 +44,28 @@ TEST_F(ErrorCommand, TakesTrajectoriesAndTables) {
   EXPECT_EQ(errors({"error", map, kitti})["ate"]["translation"]["count"], 2) << "by their count";
 }
 
+TEST_F(ErrorCommand, FindsThePosesOfATrajectoryInATruthWithNamesByTimeElseByCount) {
+  const std::string table =
+      folder
+          .file("truth.csv",
+                "pose,x,y,phi,stamp_ns\n0,0,0,0,10000000000\n1,1,0,0,11000000000\n2,2,7,0,12000000000\n3,3,0,0,13000000000\n")
+          .string();
+  const std::string some = folder.file("some.tum", "11 1 0 0 0 0 0 1\n13 3 0 0 0 0 0 1\n").string();
+  const auto timed = errors({"error", some, table, "--align", "none"})["ate"]["translation"];
+  EXPECT_EQ(timed["count"], 2);
+  EXPECT_EQ(timed["max"], 0.0) << "poses 1 and 3, not 0 and 1";
+  const std::string kitti = folder.file("c.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n");
+  const std::string named = folder.file("named.g2o", kTrueMap + "EDGE_SE2 4 5 1 0 0 1 0 0 1 0 1\n").string();
+  const auto counted = errors({"error", kitti, named, "--align", "none"});
+  EXPECT_EQ(counted["ate"]["translation"]["count"], 3) << "poses 4, 5 and 6";
+  EXPECT_EQ(counted["relations"]["translation"]["count"], 2);
+  EXPECT_EQ(counted["relations"]["translation"]["max"], 0.0);
+  const std::string two = folder.file("two.csv",
+                                      "session,pose,x,y,phi,stamp_ns\n0,0,0,0,0,10000000000\n0,1,1,0,0,12000000000\n"
+                                      "1,0,9,0,0,11000000000\n1,1,9,0,0,13000000000\n");
+  EXPECT_THAT(call({"error", some, two}).err, HasSubstr("two.csv: sessions 1 and 0 are both under way at 11.000 s"));
+}
+
 TEST_F(ErrorCommand, CountsThePosesOfATrajectoryWithoutTimesAlsoForAMapWithTimes) {
   const std::string log = folder.file("drive.g2o", kSmallLog).string();
   const std::string stamps = folder.file("stamps.txt", "0 1\n1 1.5\n2 2\n").string();

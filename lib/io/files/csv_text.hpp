@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
@@ -42,6 +43,27 @@ inline std::string with_blanks(std::string_view csv) {
   return blanks;
 }
 
+/// The text of a table as with_blanks() gives it, with `_` for blanks between words of a cell, such as a date and a time of
+/// day, so that each cell is one word. A line without commas stays as it is.
+inline std::string cells_as_words(std::string_view csv) {
+  std::string table(csv);
+  for (std::size_t begin = 0, end = 0; begin < table.size(); begin = end + 1) {
+    end = std::min(table.find('\n', begin), table.size());
+    if (csv.substr(begin, end - begin).find(',') == csv.npos) continue;
+    bool has_word = false;       // the current cell
+    std::size_t behind = begin;  // the character behind its last word
+    for (std::size_t at = begin; at < end; ++at) {
+      const char c = table[at];
+      if (c == ' ' || c == '\t' || c == '\r') continue;
+      if (c == '#' && (behind < at || !has_word)) break;  // a comment
+      if (has_word && c != ',') std::fill(table.begin() + std::ptrdiff_t(behind), table.begin() + std::ptrdiff_t(at), '_');
+      has_word = c != ',';
+      behind = at + 1;
+    }
+  }
+  return with_blanks(table);
+}
+
 /// Reads the next word as the session of a pose.
 inline std::uint32_t read_session(TextScanner& text) {
   const std::uint64_t session = text.key();
@@ -76,7 +98,7 @@ template <typename Read>
 Expected<void> each_row(const std::filesystem::path& file, const Read& read) {
   return FileBytes::read(file).and_then([&](const FileBytes& bytes) {
     const std::vector<std::string> columns = csv_columns(bytes.view());
-    const std::string text = with_blanks(bytes.view());
+    const std::string text = cells_as_words(bytes.view());
     TextScanner row(file.string(), text);
     row.next_line();
     return row.each_line([&] {

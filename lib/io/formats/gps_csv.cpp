@@ -91,8 +91,8 @@ Expected<GpsFixes> read_gps_csv(std::string_view bytes, const std::string& file)
   const Columns columns = csv_columns(bytes);
   if (auto named = check(columns, file); !named) return tl::unexpected(named.error());
   GpsFixes fixes{file, has_column(columns, "height") && has_column(columns, "sd_up"), {}};
-  const std::string blanks = with_blanks(bytes);
-  TextScanner text(file, blanks);
+  const std::string words = cells_as_words(bytes);
+  TextScanner text(file, words);
   text.next_line();
   return text.each_line([&] { fixes.fixes.push_back(read_fix(columns, text)); }).and_then([&]() -> Expected<GpsFixes> {
     if (fixes.fixes.empty()) return bad_input(file + ": has no fixes behind its header");

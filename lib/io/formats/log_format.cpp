@@ -153,13 +153,14 @@ struct Known {
 /// The format that the options ask for, otherwise the one known by the first line that may not be left out, and the start of
 /// that line; nullopt if no format is known.
 std::optional<Known> known_format(std::string_view bytes, const ReadOptions& options) {
-  for (std::size_t begin = 0;;) {
+  if (options.from && row_of(*options.from).room.edges) return Known{*options.from};  // Its reader leaves lines out itself.
+  for (std::string_view rest = bytes;;) {
     for (const auto& [format, name] : enum_names(LogFormat{})) {
-      if (options.from.value_or(format) == format && row_of(format).is(bytes.substr(begin))) return Known{format, begin};
+      if (options.from.value_or(format) == format && row_of(format).is(rest)) return Known{format, bytes.size() - rest.size()};
     }
-    const std::size_t newline = bytes.find('\n', begin);
-    if (!options.skip_unknown || newline == bytes.npos) break;
-    begin = newline + 1;
+    TextScanner line("", rest);
+    if (!options.skip_unknown || !line.next_line()) break;
+    rest.remove_prefix(std::min(rest.find('\n', rest.size() - line.size()), rest.size() - 1) + 1);
   }
   return options.from ? std::optional(Known{*options.from}) : std::nullopt;
 }
@@ -281,9 +282,8 @@ Expected<void> write_log(const Log<Dim>& log, LogFormat format, const fs::path& 
   };
   if (needs_values(format) && log.initial.poses.empty()) return cannot("needs the values of all poses");
   const bool is_nothing = !row.room.pose_values && log.edges().empty() && log.observations().empty();
-  if (is_nothing) {
+  if (is_nothing)
     return cannot("has only edges and observations, and the log has none; g2o keeps values, priors and fixed poses");
-  }
   if constexpr (Dim == 2) {
     return row.write_plane(log, path);
   } else {

@@ -31,21 +31,22 @@ bool has_poses(const std::vector<std::string>& columns) {
   return has_column(columns, "pose") && std::search(columns.begin(), columns.end(), pose.begin(), pose.end()) != columns.end();
 }
 
-/// Reads a line, which must be the first one of its pose, unlike those `known`; at the column x it reads the whole pose.
+/// Reads a line, which must be the first one of its pose, unlike those `known`; at the column x it reads the whole pose, whose
+/// columns stand side by side.
 template <int Dim>
 void read_row(const std::vector<std::string>& columns, TextScanner& text, GlobalMap<Dim>& table, std::set<PoseId>& known) {
-  static const std::vector<std::string> kBehindX = {"y", "z", "phi", "qx", "qy", "qz", "qw"};
   PoseId id;
-  for (const std::string& column : columns) {
-    if (column == "session") {
+  for (auto column = columns.begin(); column != columns.end(); ++column) {
+    if (*column == "session") {
       id.session = read_session(text);
-    } else if (column == "pose") {
+    } else if (*column == "pose") {
       id.key = text.key();
-    } else if (column == "x") {
+    } else if (*column == "x") {
       table.poses.push_back(read_g2o_pose<Dim>(text));
-    } else if (column == "stamp_ns") {
+      column += std::ssize(pose_columns<Dim>()) - 1;
+    } else if (*column == "stamp_ns") {
       table.stamps_ns.push_back(text.integer());
-    } else if (!has_column(kBehindX, column)) {
+    } else {
       text.word();
     }
   }
@@ -78,8 +79,8 @@ Expected<GlobalMap<Dim>> read_pose_table(std::string_view bytes, const std::stri
     return bad_input(
         fmt::format("{}: its first line does not name the columns pose and {}", file, fmt::join(pose_columns<Dim>(), ",")));
   }
-  const std::string blanks = with_blanks(bytes);
-  TextScanner text(file, blanks);
+  const std::string words = cells_as_words(bytes);
+  TextScanner text(file, words);
   text.next_line();
   GlobalMap<Dim> table;
   std::set<PoseId> known;

@@ -81,6 +81,7 @@ bool parse(std::string_view text, Number& number) {
 std::optional<std::int64_t> nanoseconds(std::string_view word) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   if (word.find_first_of("0123456789") == word.npos) return std::nullopt;
+  if (word.front() == '+' && word[1] != '-') word.remove_prefix(1);  // As numbers may have it.
   const std::size_t point = std::min(word.find('.'), word.size());
   const std::string_view fraction = word.substr(std::min(point + 1, word.size()));
   std::string digits(word.substr(0, point));

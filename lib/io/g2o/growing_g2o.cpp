@@ -15,11 +15,17 @@
 namespace mapjoin {
 namespace {
 
-bool has_edges(std::string_view text) {
+/// True if a line has an edge, an observation or a prior that is not left out as unknown.
+bool has_edges(std::string_view text, const ReadOptions& options) {
   for (TextScanner ahead("", text); ahead.next_line();) {
-    if (ahead.word().substr(0, 5) == "EDGE_") return true;
+    const std::string_view tag = ahead.word();
+    if (tag.starts_with("EDGE_") && (!options.skip_unknown || is_g2o_tag(tag))) return true;
   }
   return false;
+}
+
+bool has_poses(const AnyLog& any) {
+  return std::visit([](const auto& log) { return !log.poses.empty(); }, any);
 }
 
 /// The text with every line emptied but those of parameters.
@@ -82,7 +88,7 @@ Expected<std::optional<AnyLog>> GrowingG2o::rest() {
   if (fault_) return tl::unexpected(*fault_);
   auto news = take_until(text_.size());
   if (!news || *news || taken_ == text_.size()) return news;
-  // Lines without an edge have waited for one: the whole file is checked with them.
+  // Lines without such an edge have waited for one: the whole file is checked with them.
   if (const auto all = read_g2o(TextScanner(path_.string(), text_), options_); !all) {
     fault_ = all.error();
     return tl::unexpected(*fault_);
@@ -91,9 +97,9 @@ Expected<std::optional<AnyLog>> GrowingG2o::rest() {
   return news;
 }
 
-/// Takes the lines before `end`; lines without an edge wait for one.
+/// Takes the lines before `end`; lines without an edge that names a pose wait for one.
 Expected<std::optional<AnyLog>> GrowingG2o::take_until(std::size_t end) {
-  if (end <= taken_ || !has_edges(std::string_view(text_).substr(taken_, end - taken_))) return std::nullopt;
+  if (end <= taken_ || !has_edges_until(end)) return std::nullopt;
   auto log = log_until(end);
   if (!log) {
     const std::size_t good = good_until(end);
@@ -102,6 +108,7 @@ Expected<std::optional<AnyLog>> GrowingG2o::take_until(std::size_t end) {
     end = good;
     log = log_until(end);
   }
+  if (!has_poses(*log)) return std::nullopt;
   parameters_ += parameters_in(std::string_view(text_).substr(taken_, end - taken_));
   taken_ = end;
   return std::optional<AnyLog>(*std::move(log));
@@ -109,20 +116,22 @@ Expected<std::optional<AnyLog>> GrowingG2o::take_until(std::size_t end) {
 
 Expected<AnyLog> GrowingG2o::log_until(std::size_t end) const {
   const std::string lines = parameters_ + text_.substr(taken_, end - taken_);
-  return read_g2o(TextScanner(path_.string(), lines), options_, {.is_whole = false});
+  return read_g2o(TextScanner(path_.string(), lines), options_, {.is_whole = false, .needs_poses = false});
+}
+
+bool GrowingG2o::has_edges_until(std::size_t end) const {
+  return has_edges(std::string_view(text_).substr(taken_, end - taken_), options_);
 }
 
 /// The end of the last line up to which all lines are right and one has an edge; otherwise `taken_`, where the last call ended.
 std::size_t GrowingG2o::good_until(std::size_t end) const {
   std::vector<std::size_t> ends;
   for (std::size_t next = text_.find('\n', taken_); next < end; next = text_.find('\n', next + 1)) ends.push_back(next + 1);
-  const auto is_wrong = [&](std::size_t line_end) {
-    return has_edges(std::string_view(text_).substr(taken_, line_end - taken_)) && !log_until(line_end);
-  };
+  const auto is_wrong = [&](std::size_t line_end) { return has_edges_until(line_end) && !log_until(line_end); };
   const auto first_wrong = std::partition_point(ends.begin(), ends.end(), [&](std::size_t e) { return !is_wrong(e); });
   if (first_wrong == ends.begin()) return taken_;
   const std::size_t good = *(first_wrong - 1);
-  return has_edges(std::string_view(text_).substr(taken_, good - taken_)) ? good : taken_;
+  return has_edges_until(good) ? good : taken_;
 }
 
 Expected<AnyLog> GrowingG2o::whole() const {

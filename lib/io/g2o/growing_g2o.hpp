@@ -17,10 +17,10 @@ class GrowingG2o {
   /// Opens a file to be followed; bad input if it is not a plain file. Gzip is refused when it is read.
   static Expected<GrowingG2o> open(const std::filesystem::path& path, const ReadOptions& options);
 
-  /// The edges, observations and priors in the lines that have come since the last call, as a log of their own; nullopt if
-  /// there are none. Bad input, with the line, if one is wrong: the lines before it were given by the call before, and no more
-  /// are given. Bad input, too, if the file was cut, or if its name belongs to another file or to none: its content was given
-  /// by the call before.
+  /// The edges, observations and priors in the lines that have come since the last call, as a log of their own; nullopt if none
+  /// of them names a pose: they are given with the next that does. Bad input, with the line, if one is wrong: the lines before
+  /// it were given by the call before, and no more are given. Bad input, too, if the file was cut, or if its name belongs to
+  /// another file or to none: its content was given by the call before.
   Expected<std::optional<AnyLog>> appended();
   /// The log of the lines not yet given, as appended(), including a last line without an end; for when no more is to come.
   Expected<std::optional<AnyLog>> rest();
@@ -36,6 +36,7 @@ class GrowingG2o {
   Expected<std::optional<AnyLog>> take_until(std::size_t end);
   /// The log in bytes [taken_, end).
   Expected<AnyLog> log_until(std::size_t end) const;
+  bool has_edges_until(std::size_t end) const;
   std::size_t good_until(std::size_t end) const;
 
   std::filesystem::path path_;

@@ -157,6 +157,12 @@ TEST_F(Plot, SaysOfHowManyPosesTheTruthIs) {
   EXPECT_EQ(ended.err, "mapjoin: " + truth + ": has 3 of the 4 poses of the first map, and is drawn at no others\n");
 }
 
+TEST_F(Plot, TheTruthOfATrajectoryMayHaveNames) {
+  const std::string map = folder.file("map.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n").string();
+  const std::string truth = folder.file("truth.csv", "pose,x,y,phi\n7,0,0,0\n8,1,0,0\n").string();
+  EXPECT_EQ(call({"plot", map, "--truth", truth, "-o", path("plot.svg")}).err, "");
+}
+
 TEST_F(Plot, RefusesWhatDoesNotGoTogether) {
   const std::string other = (kBundledData / "manhattan3d.g2o").string();
   expect_refused({kBundledLog, other, "-o", path("plot.svg")}, 2, "is not of the same dimension as");

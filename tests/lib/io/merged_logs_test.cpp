@@ -4,6 +4,7 @@
 
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/merged_logs.hpp>
+#include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <string>
 #include <tests/support/error_of.hpp>
@@ -77,6 +78,19 @@ TEST(MergedLogs, AnEdgeThatStandsInTwoLogsCountsOnceUnlessAllAreKept) {
   EXPECT_THAT(merged<2>({a, b, c}, {.keep_copies = true})->edges(), SizeIs(3 + 4 + 2));
 }
 
+TEST(MergedLogs, EveryEdgeOfALogMayStandInAnotherToo) {
+  constexpr int kPoses = 100'000;
+  std::string edges;
+  for (std::uint64_t k = 0; k + 1 < 2 * kPoses; ++k) edges += edge(k, k + 1);
+  const auto a = log_of("a", vertices(0, kPoses) + edges);
+  const auto b = log_of("b", vertices(kPoses, kPoses) + edges);
+  const EffortMeter meter;
+  const auto log = merged<2>({a, b}).value();
+  EXPECT_LT(meter.so_far().cpu_seconds, 20.0) << "a look at every edge for every edge takes a minute";
+  EXPECT_THAT(log.edges(), SizeIs(2 * kPoses - 1));
+  EXPECT_EQ(log.skipped.at("copies of edges in another file"), 2 * kPoses - 1);
+}
+
 TEST(MergedLogs, NameAnEdgeToAPoseThatNoLogOrSeveralDeclare) {
   const auto a = log_of("a", vertices(0, 2) + edge(0, 1) + edge(1, 100));
   const auto b = log_of("b", vertices(100, 2) + edge(100, 101));
@@ -92,7 +106,22 @@ TEST(MergedLogs, TheFirstThatFixesPosesHoldsTheMap) {
   const auto log = merged<2>({log_of("b", edge(5, 6)), fixed, fixed}).value();
   ASSERT_THAT(log.graph.fixed, SizeIs(1));
   EXPECT_EQ(log.poses[log.graph.fixed[0].pose], (PoseId{1, 1}));
-  EXPECT_EQ(log.skipped.at("fixed poses of later files"), 1);
+  EXPECT_EQ(log.skipped.at("fixed poses of other files"), 1);
+}
+
+TEST(MergedLogs, TheFirstWithPriorsHoldsTheMapBeforeAnyThatFixesPoses) {
+  const auto fixed = log_of("a", vertices(0, 2) + edge(0, 1) + "FIX 1\n");
+  const std::string position = "EDGE_PRIOR_SE2_XY 1 4e5 5e6 1 0 1\n";
+  const auto placed = log_of("b", vertices(0, 2) + edge(0, 1) + position);
+  for (const auto& log : {merged<2>({fixed, placed}).value(), merged<2>({placed, fixed}).value()}) {
+    EXPECT_THAT(log.graph.fixed, SizeIs(0)) << "in a frame of its own, and not that of the priors";
+    EXPECT_THAT(log.pose_priors(), SizeIs(1));
+    EXPECT_EQ(log.skipped.at("fixed poses of other files"), 1);
+  }
+  const auto both = log_of("c", vertices(0, 2) + edge(0, 1) + position + "FIX 0\n");
+  const auto log = merged<2>({fixed, both}).value();
+  ASSERT_THAT(log.graph.fixed, SizeIs(1));
+  EXPECT_EQ(log.poses[log.graph.fixed[0].pose], (PoseId{1, 0}));
 }
 
 TEST(MergedLogs, KeepTimeStampsOnlyIfAllHaveThem) {

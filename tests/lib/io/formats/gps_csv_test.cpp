@@ -32,6 +32,17 @@ TEST(GpsCsv, BlanksAroundTheNamesOfColumnsDoNotCount) {
   EXPECT_EQ(fixes.fixes[0].place.longitude, 8.0);
 }
 
+TEST(GpsCsv, ACellOfAnotherColumnMayHaveSeveralWords) {
+  const auto fixes = read_gps_csv(
+                         "utc,time,latitude,longitude,mode,sd_east,sd_north\n"
+                         "2024-05-01 12:00:00,1,50,8, 3D FIX ,1,2\n2024-05-01 12:00:01 ,2,51,9,none,1,2 # a comment, too\n",
+                         "fixes.csv")
+                         .value();
+  EXPECT_EQ(fixes.fixes[0].place.longitude, 8.0);
+  EXPECT_EQ(fixes.fixes[1].place.latitude, 51.0);
+  EXPECT_EQ(fixes.fixes[1].deviation.y(), 2.0);
+}
+
 TEST(GpsCsv, InThePlaneThereNeedBeNoHeights) {
   const auto fixes = read_gps_csv("pose,latitude,longitude,sd_east,sd_north\n12,50,8,1,1\n", "fixes.csv").value();
   EXPECT_FALSE(fixes.has_heights);
@@ -57,6 +68,7 @@ TEST(GpsCsv, WhatIsWrongIsNamedWithItsPlace) {
                  "fixes.csv:1: names the column latitude more than once");
   expect_refused("time,pose,latitude,longitude,sd_east,sd_north\n", "fixes.csv:1: names both columns time and pose");
   expect_refused(head, "fixes.csv: has no fixes behind its header");
+  expect_refused(head + "1,50 8,1,1,1\n", "fixes.csv:2:3: '50_8' stands where a number is expected");
   expect_refused(head + "1,50,8,1,1\nnoon,50,8,1,1\n", "fixes.csv:3:1: a time in seconds is expected, not 'noon'");
   expect_refused(head + "1,95,8,1,1\n", "fixes.csv:2:3: an angle from -90 to 90 degrees is expected");
   expect_refused(head + "1,50,8,0,1\n", "fixes.csv:2:8: a standard deviation is from 1e-6 to 1e6 m");

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/open.hpp>
+#include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/dimensions.hpp>
@@ -21,6 +23,8 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 template <typename Dimension>
 class LogFormatTest : public ::testing::Test {
@@ -243,6 +247,18 @@ TEST(LogFormats, AFormatIsKnownBehindLinesThatMayBeLeftOut) {
                 EndsWith("nothing:1:1: no log format has lines that begin with 'hello'; --from names the format"))
         << "for nothing would be left";
   }
+}
+
+TEST(LogFormats, AFormatIsKnownInAFewPassesOverTheFile) {
+  constexpr int kLines = 100'000;
+  std::string edges;
+  for (int k = 0; k < kLines; ++k) edges += fmt::format("EDGE2 {} {} 1 0 0 1 0 1 1 0 0\n", k, k + 1);
+  const std::string blanks(kLines, '\n');
+  const EffortMeter meter;
+  const auto toro = read_log(edges, "toro", {.from = LogFormat::kToro, .skip_unknown = true});
+  EXPECT_THAT(std::get<Log<2>>(toro.value()).edges(), SizeIs(kLines));
+  EXPECT_THAT(read_log("hello" + blanks + "world", "nothing", {}).error().message, StartsWith("nothing:1:1: no log format"));
+  EXPECT_LT(meter.so_far().cpu_seconds, 20.0) << "a pass for every line takes minutes";
 }
 
 }  // namespace

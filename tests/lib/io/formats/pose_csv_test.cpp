@@ -62,6 +62,14 @@ TEST(PoseCsv, BlanksAroundTheNamesOfColumnsDoNotCount) {
   EXPECT_EQ(log.initial.poses[PoseIndex(0)].translation, Point<2>(1.0, 2.0));
 }
 
+TEST(PoseCsv, PassesOverOtherColumnsWhateverTheirNamesAndWords) {
+  const TemporaryFolder folder;
+  const auto plane = folder.file("plane.csv", "day,pose,x,y,phi,z,y\n1 May 2024,5,1,2,3,7,8\n");
+  EXPECT_EQ(std::get<Log<2>>(open_log(plane).value()).initial.poses[0].translation, Point<2>(1, 2));
+  const auto space = folder.file("space.csv", "pose,phi,x,y,z,qx,qy,qz,qw\n5,9,1,2,3,0,0,0,1\n");
+  EXPECT_EQ(std::get<Log<3>>(open_log(space).value()).initial.poses[0].translation, Point<3>(1, 2, 3));
+}
+
 TEST(PoseCsv, PassesOverCellsThatAreEmpty) {
   const TemporaryFolder folder;
   for (const std::string table : {"pose,note,x,y,phi,more,note\n5,,1,2,3, ,\n6,seen,4,5,6,,\n",

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/open.hpp>
 #include <numbers>
 #include <string>
@@ -43,6 +44,11 @@ TEST_F(TrajectoryTest, TumGivesTimesToTheNearestNanosecond) {
       "-0.0000000015 0 0 1 0 0 0 1\n");
   EXPECT_THAT(log.stamps_ns, ElementsAre(12'000'000'001, 13'000'000'000, 13'000'000'001, -2));
   EXPECT_THAT(message("-9223372036.8547758085 1 2 3 0 0 0 1\n"), HasSubstr("a time in seconds is expected"));
+}
+
+TEST_F(TrajectoryTest, TumTakesTimesWithAPlus) {
+  EXPECT_THAT(read<3>("+1.5 1 2 3 0 0 0 1\n").stamps_ns, ElementsAre(1500000000));
+  for (const std::string time : {"++1", "+-1", "1+"}) EXPECT_FALSE(nanoseconds(time)) << time;
 }
 
 TEST_F(TrajectoryTest, TumTakesTimesWithExponents) {

@@ -68,6 +68,23 @@ TEST_F(GrowingG2oTest, WhatStandsBehindTheLastEdgeIsOfTheWhole) {
   EXPECT_EQ(std::get<Log<2>>(file.whole().value()).graph.fixed.size(), 1u);
 }
 
+TEST_F(GrowingG2oTest, LinesThatNameNoPoseWaitForOneThatDoes) {
+  auto file = GrowingG2o::open(path_, {.skip_unknown = true, .skip_self_edges = true}).value();
+  for (const std::string line :
+       {"EDGE_SE2_MIXTURE 0 1 1\n", "EDGE_PRIOR_XY 7 1 1 1 0 1\n", "EDGE_SE2 1 1 0 0 0 1 0 0 1 0 1\n"}) {
+    append(line);
+    EXPECT_EQ(count(file.appended()), 0u) << line;
+    append(line + kEdge01);
+    EXPECT_EQ(count(file.appended()), 1u) << line;
+  }
+  append("EDGE_PRIOR_XY 7 1 1 1 0 1\n");
+  EXPECT_EQ(count(file.appended()), 0u);
+  EXPECT_EQ(count(file.rest()), 0u);
+  const auto whole = std::get<Log<2>>(file.whole().value());
+  EXPECT_EQ(whole.feature_priors().size(), 3u);
+  EXPECT_EQ(whole.skipped, (SkipCounts{{"EDGE_SE2_MIXTURE lines", 2}, {"self-edges", 2}}));
+}
+
 TEST_F(GrowingG2oTest, NamesTheLineThatIsWrongBehindTheLastEdge) {
   append(kEdge01);
   GrowingG2o file = open();
