@@ -59,7 +59,7 @@ Error error_of_estimate(Source<Dim> data, const Join& join, Error error) {
 
 /// Identities by `labels` or, if names hold, by names: a name is then one feature within each part.
 template <typename Data>
-Identities identities_of(const Data& data, const std::vector<Seen>& seen, std::vector<Sighting> sightings,
+Identities identities_of(const Data& data, const std::vector<NamedSighting>& seen, std::vector<Sighting> sightings,
                          std::vector<std::size_t> labels, const AssociationOptions& options) {
   if (!options.names_hold) return {std::move(sightings), std::move(labels)};
   const PartNumbers parts = part_numbers_of(data);
@@ -72,7 +72,7 @@ Identities identities_of(const Data& data, const std::vector<Seen>& seen, std::v
 }
 
 template <typename Data, int Dim>
-Associated<Data> associated(const Data& data, const std::vector<Seen>& seen, const IdentitySearch<Dim>& search) {
+Associated<Data> associated(const Data& data, const std::vector<NamedSighting>& seen, const IdentitySearch<Dim>& search) {
   Associated<Data> result{renamed(data, search.identities()), {}, search.joins(), search.is_settled(), {}};
   for (std::size_t s = 0; s < seen.size(); ++s) {
     AssociatedSighting& sighting = result.sightings.emplace_back();
@@ -97,7 +97,7 @@ Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, Identities i
                                            std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
                                            const AssociationOptions& options,
                                            const typename IdentitySearch<Dim>::EstimateOf& estimate_of,
-                                           const std::vector<Seen>& seen, const std::stop_token& stop) {
+                                           const std::vector<NamedSighting>& seen, const std::stop_token& stop) {
   IdentitySearch<Dim> search(std::move(identities), std::move(matches), density, options, estimate_of, stop);
   return search.run().map([&] { return associated(data, seen, search); });
 }
@@ -118,7 +118,7 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
   if (!log.feature_priors().empty()) return of_named_prior(log.source);
   NeighbourDensity<Dim> density = density_of<Dim>(log.observations(), {});
   const Split split = split_evenly(log);
-  const std::vector<Seen> seen = seen_in(log);
+  const std::vector<NamedSighting> seen = named_sightings(log);
   std::vector<std::size_t> labels;
   std::vector<std::optional<Match>> matches(seen.size());
   if (!options.names_hold) {
@@ -148,7 +148,7 @@ Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const 
   if (std::ranges::any_of(set.graph.feature_factors, [](const auto& o) { return o.base == kWorld; }))
     return of_named_prior(set.source);
   const NeighbourDensity<Dim> density = density_of<Dim>(set.graph.feature_factors, set.graph.submaps);
-  const std::vector<Seen> seen = seen_in(set);
+  const std::vector<NamedSighting> seen = named_sightings(set);
   std::vector<std::size_t> labels(seen.size());
   std::iota(labels.begin(), labels.end(), std::size_t{0});
   const auto join = [&](SubmapSet<Dim> data) { return estimate_of(std::move(data), stop); };

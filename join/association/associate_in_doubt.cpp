@@ -29,14 +29,14 @@ Expected<Data> inliers_of(const Data& data, const RobustOptions& robust, const s
 /// The associations of all sightings of `data`, found by some of them, at least one of each name: a name is one feature within
 /// a part. Those that took no part have no match.
 template <typename Data>
-Associated<Data> of_all_sightings(const Data& data, const std::vector<Seen>& some, Associated<Data> found) {
+Associated<Data> of_all_sightings(const Data& data, const std::vector<NamedSighting>& some, Associated<Data> found) {
   const PartNumbers parts = part_numbers_of(data);
-  const auto named = [&](const Seen& seen) { return std::pair(parts.of_pose[seen.base], seen.name); };
+  const auto named = [&](const NamedSighting& seen) { return std::pair(parts.of_pose[seen.base], seen.name); };
   std::map<std::pair<std::uint32_t, FeatureIndex>, std::size_t> joined;
   for (std::size_t s = 0; s < some.size(); ++s) joined[named(some[s])] = found.sightings[s].joined.key;
-  const std::vector<Seen> seen = seen_in(data);
+  const std::vector<NamedSighting> seen = named_sightings(data);
   std::vector<std::size_t> labels;
-  for (const Seen& one : seen) labels.push_back(joined.at(named(one)));
+  for (const NamedSighting& one : seen) labels.push_back(joined.at(named(one)));
   const Identities identities(std::vector<Sighting>(seen.size()), std::move(labels));
   found.data = renamed(data, identities);
 
@@ -60,7 +60,7 @@ Expected<Associated<Data>> associate_by_names(const Data& data, const Associatio
                                               const std::stop_token& stop) {
   return inliers_of(data, robust, stop).and_then([&](const Data& inliers) {
     return associate(inliers, options, stop).map([&](Associated<Data> found) {
-      return of_all_sightings(data, seen_in(inliers), std::move(found));
+      return of_all_sightings(data, named_sightings(inliers), std::move(found));
     });
   });
 }

@@ -95,8 +95,8 @@ std::vector<Sighting> sightings_of(const Log<Dim>& log, const Split& split) {
 }
 
 template <int Dim>
-std::vector<Seen> seen_in(const SubmapSet<Dim>& set) {
-  std::vector<Seen> seen;
+std::vector<NamedSighting> named_sightings(const SubmapSet<Dim>& set) {
+  std::vector<NamedSighting> seen;
   for (const auto& map : set.graph.submaps) {
     for (const FeatureIndex feature : map.features) seen.push_back({map.base, feature});
   }
@@ -105,8 +105,8 @@ std::vector<Seen> seen_in(const SubmapSet<Dim>& set) {
 }
 
 template <int Dim>
-std::vector<Seen> seen_in(const Log<Dim>& log) {
-  std::vector<Seen> seen;
+std::vector<NamedSighting> named_sightings(const Log<Dim>& log) {
+  std::vector<NamedSighting> seen;
   for (const auto& observation : log.observations()) seen.push_back({observation.base, observation.target});
   return seen;
 }
@@ -165,8 +165,8 @@ Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim> log, Split split, const std:
   template PartNumbers hold_parts(Log<Dim>&);                                                  \
   template std::vector<Sighting> sightings_of(const SubmapSet<Dim>&);                          \
   template std::vector<Sighting> sightings_of(const Log<Dim>&, const Split&);                  \
-  template std::vector<Seen> seen_in(const SubmapSet<Dim>&);                                   \
-  template std::vector<Seen> seen_in(const Log<Dim>&);                                         \
+  template std::vector<NamedSighting> named_sightings(const SubmapSet<Dim>&);                  \
+  template std::vector<NamedSighting> named_sightings(const Log<Dim>&);                        \
   template SubmapSet<Dim> renamed(SubmapSet<Dim>, const Identities&);                          \
   template Log<Dim> renamed(Log<Dim>, const Identities&);                                      \
   template Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim>, const std::stop_token&); \

@@ -24,16 +24,16 @@ std::vector<Sighting> sightings_of(const SubmapSet<Dim>& set);
 template <int Dim>
 std::vector<Sighting> sightings_of(const Log<Dim>& log, const Split& split);
 
-/// What a sighting is called in its input.
-struct Seen {
+/// The pose and the name of a sighting in its input.
+struct NamedSighting {
   PoseIndex base;     ///< The pose it was seen from; for a feature of a local map, the base of the map.
   FeatureIndex name;  ///< The feature that it is said to be of.
 };
 /// The sightings of a set or a log in the order of sightings_of().
 template <int Dim>
-std::vector<Seen> seen_in(const SubmapSet<Dim>& set);
+std::vector<NamedSighting> named_sightings(const SubmapSet<Dim>& set);
 template <int Dim>
-std::vector<Seen> seen_in(const Log<Dim>& log);
+std::vector<NamedSighting> named_sightings(const Log<Dim>& log);
 
 /// A set or a log whose features are those of `identities`, under the names 1, 2, … in the order of first sighting.
 template <int Dim>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <mapjoin/join/association/map_matching.hpp>
 #include <mapjoin/join/association/overlooked.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/cross_covariances.hpp>
 #include <numbers>
@@ -42,19 +43,22 @@ template <int Dim>
 std::vector<FeatureIndex> MapMatching<Dim>::near(FeatureIndex feature, std::size_t map, bool only_neighbours) const {
   std::vector<FeatureIndex> found;
   const double own = covariances_[feature].trace();
-  for (const std::size_t place : tree_.within(position(feature), std::sqrt(2.0 * gate_ * (own + largest_)))) {
-    const FeatureIndex other(place);
+  const auto consider = [&](FeatureIndex other) {
     const double bound = 2.0 * gate_ * (own + covariances_[other].trace());
-    if (other == feature || estimate_.parts.of_feature[other] != estimate_.parts.of_feature[feature]) continue;
-    if ((position(other) - position(feature)).squaredNorm() > bound) continue;
-    const auto sees = [&](std::size_t s) {
-      const std::size_t by = identities_.sighting(s).map;
-      return by <= map && (!only_neighbours || by + 1 >= map);
-    };
-    if (!std::ranges::any_of(identities_.sightings_of(other), sees)) continue;
+    if (other == feature || estimate_.parts.of_feature[other] != estimate_.parts.of_feature[feature]) return;
+    if ((position(other) - position(feature)).squaredNorm() > bound) return;
+    const auto sees = [&](std::size_t s) { return identities_.sighting(s).map <= map; };
+    if (!std::ranges::any_of(identities_.sightings_of(other), sees)) return;
     if (identities_.may_be_same(feature, other)) found.push_back(other);
+  };
+  if (only_neighbours) {
+    for (std::size_t m = map == 0 ? 0 : map - 1; m <= map; ++m) std::ranges::for_each(identities_.features_in(m), consider);
+  } else {
+    for (const std::size_t place : tree_.within(position(feature), std::sqrt(2.0 * gate_ * (own + largest_)))) {
+      consider(FeatureIndex(place));
+    }
   }
-  std::ranges::sort(found);
+  make_distinct(found);
   return found;
 }
 

@@ -10,6 +10,7 @@
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/solve/cross_covariances.hpp>
 #include <utility>
 #include <vector>
 
@@ -28,16 +29,26 @@ constexpr double kQuantiles[] = {0.5, 0.9, 0.95};
 /// The number of columns that are solved at once.
 constexpr Eigen::Index kColumnsAtOnce = 64;
 
+/// The variables of a factor that are not constant, and their columns in its J.
+struct FactorVariables {
+  std::vector<Variable> variables;
+  std::vector<Eigen::Index> columns;
+};
+template <int Dim>
+FactorVariables variables_of(std::size_t factor, const NormalEquations& equations) {
+  FactorVariables found;
+  for_each_variable<Dim>(equations, factor, [&](Variable v, Eigen::Index column) {
+    found.variables.push_back(v);
+    for (int i = 0; i < equations.dof(v); ++i) found.columns.push_back(column + i);
+  });
+  return found;
+}
+
 /// J P Jᵀ plus a bound on its rounding: the covariances of poses far from the gauge nearly cancel.
 template <int Dim>
 Eigen::MatrixXd predicted_covariance(const Eigen::MatrixXd& J, std::size_t factor, const NormalEquations& equations,
                                      const Marginals& marginals) {
-  std::vector<Variable> variables;
-  std::vector<Eigen::Index> columns;
-  for_each_variable<Dim>(equations, factor, [&](Variable v, Eigen::Index column) {
-    variables.push_back(v);
-    for (int i = 0; i < equations.dof(v); ++i) columns.push_back(column + i);
-  });
+  const auto [variables, columns] = variables_of<Dim>(factor, equations);
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(J.cols(), J.cols());
   P(columns, columns) = marginals.joint(variables);
   Eigen::MatrixXd covariance = J * P * J.transpose();
@@ -129,14 +140,10 @@ void LeaveOneOut<Dim>::solve_for_weak(std::span<const std::size_t> factors, cons
 template <int Dim>
 void LeaveOneOut<Dim>::solve_for(std::size_t factor) {
   const auto [r, W, J] = dense_factor(system_, factor);
-  const Eigen::MatrixXd Jt_W = J.transpose() * W;
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(equations_.size(), Jt_W.cols());
-  for_each_variable<Dim>(equations_, factor, [&](Variable v, Eigen::Index column) {
-    columns.middleRows(equations_.offset(v), equations_.dof(v)) = Jt_W.middleRows(column, equations_.dof(v));
-  });
-  Eigen::MatrixXd share = -times<Dim>(J, equations_.solve_columns(columns), factor, equations_);
-  share.diagonal().array() += 1.0;
-  const Eigen::MatrixXd product = W * share;
+  const auto [variables, columns] = variables_of<Dim>(factor, equations_);
+  const Eigen::MatrixXd J_variables = J(Eigen::all, columns);
+  const Eigen::MatrixXd solved = CrossCovariances(equations_).solved(variables, J_variables.transpose() * W);
+  const Eigen::MatrixXd product = W * (Eigen::MatrixXd::Identity(J.rows(), J.rows()) - J_variables * solved);
   M(factor) = 0.5 * (product + product.transpose());
   least_redundancies_[factor] = kLeastSolvedRedundancy;
 }

@@ -75,12 +75,13 @@ std::vector<Eigen::Index> CrossCovariances::columns_below(const RowsOnPaths& row
   return columns;
 }
 
-CrossCovariances::RowsOnPaths CrossCovariances::substitute_forward(std::span<const Variable> variables) const {
-  const Eigen::Index size = size_of(variables);
+CrossCovariances::RowsOnPaths CrossCovariances::substitute_forward(std::span<const Variable> variables,
+                                                                   const Eigen::MatrixXd& of_these) const {
+  const Eigen::Index size = of_these.cols();
   RowsOnPaths Y = zeros_on_paths(variables, size);
   for (Eigen::Index row = 0; const Variable v : variables) {
     const Eigen::Index dof = equations_.dof(v);
-    Y.values.block(row, column_in(Y, v), dof, dof).setIdentity();
+    Y.values.middleCols(column_in(Y, v), dof) += of_these.middleRows(row, dof).transpose();
     row += dof;
   }
   for (std::size_t k = 0; k < Y.nodes.size(); ++k) {
@@ -118,14 +119,24 @@ CrossCovariances::RowsOnPaths CrossCovariances::substitute_back(const RowsOnPath
 }
 
 Eigen::MatrixXd CrossCovariances::between(std::span<const Variable> rows, std::span<const Variable> columns) const {
-  const RowsOnPaths X = substitute_back(substitute_forward(rows), columns);
-  Eigen::MatrixXd blocks(X.values.rows(), size_of(columns));
-  for (Eigen::Index column = 0; const Variable v : columns) {
+  const Eigen::Index size = size_of(rows);
+  const RowsOnPaths X = substitute_back(substitute_forward(rows, Eigen::MatrixXd::Identity(size, size)), columns);
+  return columns_of(columns, X);
+}
+
+Eigen::MatrixXd CrossCovariances::solved(std::span<const Variable> variables, const Eigen::MatrixXd& of_these) const {
+  return columns_of(variables, substitute_back(substitute_forward(variables, of_these), variables)).transpose();
+}
+
+/// Columns of `rows`, those of some variables.
+Eigen::MatrixXd CrossCovariances::columns_of(std::span<const Variable> variables, const RowsOnPaths& rows) const {
+  Eigen::MatrixXd columns(rows.values.rows(), size_of(variables));
+  for (Eigen::Index column = 0; const Variable v : variables) {
     const Eigen::Index dof = equations_.dof(v);
-    blocks.middleCols(column, dof) = X.values.middleCols(column_in(X, v), dof);
+    columns.middleCols(column, dof) = rows.values.middleCols(column_in(rows, v), dof);
     column += dof;
   }
-  return blocks;
+  return columns;
 }
 
 Eigen::MatrixXd CrossCovariances::joint(std::span<const Variable> variables) const {

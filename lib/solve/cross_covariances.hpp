@@ -28,6 +28,9 @@ class CrossCovariances {
   Eigen::MatrixXd between(std::span<const Variable> rows, std::span<const Variable> columns) const;
   /// The joint covariance of variables, in the order given.
   Eigen::MatrixXd joint(std::span<const Variable> variables) const;
+  /// Rows of H⁻¹ b for some variables, in their order; b has the rows `of_these` for them, and is zero for all others. The work
+  /// is that of their paths, and nothing cancels as it does in products with large covariances.
+  Eigen::MatrixXd solved(std::span<const Variable> variables, const Eigen::MatrixXd& of_these) const;
   /// The memory that joint() of these variables needs (bytes), except for a little at each supernode.
   std::int64_t bytes(std::span<const Variable> variables) const;
 
@@ -44,9 +47,10 @@ class CrossCovariances {
   RowsOnPaths zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const;
   Eigen::Index size_of(std::span<const Variable> variables) const;
   Eigen::Index column_in(const RowsOnPaths& rows, Variable v) const;
+  Eigen::MatrixXd columns_of(std::span<const Variable> variables, const RowsOnPaths& rows) const;
   std::vector<Eigen::Index> columns_below(const RowsOnPaths& rows, std::size_t k) const;
-  /// Yᵀ of some variables.
-  RowsOnPaths substitute_forward(std::span<const Variable> variables) const;
+  /// (L⁻¹ B)ᵀ on the paths of some variables, which have these rows of B, all others none.
+  RowsOnPaths substitute_forward(std::span<const Variable> variables, const Eigen::MatrixXd& of_these) const;
   /// (L⁻ᵀ Y)ᵀ on the paths of some variables.
   RowsOnPaths substitute_back(const RowsOnPaths& Y_transposed, std::span<const Variable> variables) const;
 

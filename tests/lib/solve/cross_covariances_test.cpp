@@ -40,6 +40,17 @@ TEST_P(CrossCovariancesTest, GiveTheJointOneOfAnyVariables) {
   }
 }
 
+TEST_P(CrossCovariancesTest, SolveForVariablesOfARightHandSideThatIsZeroElsewhere) {
+  ASSERT_FALSE(equations.factorise(0.0));
+  const CrossCovariances cross(equations);
+  for (const std::vector<Variable>& variables : {std::vector<Variable>{0}, {Variable(count - 1), 0, Variable(count / 2)}}) {
+    const Eigen::MatrixXd covariance = inverse_over(variables);
+    const Eigen::MatrixXd b = Eigen::MatrixXd::Random(covariance.cols(), 3);
+    const Eigen::MatrixXd expected = covariance * b;
+    EXPECT_LT((cross.solved(variables, b) - expected).norm(), 1e-12 * expected.norm());
+  }
+}
+
 TEST_P(CrossCovariancesTest, CountTheirMemoryBeforehand) {
   ASSERT_FALSE(equations.factorise(0.0));
   const CrossCovariances cross(equations);
