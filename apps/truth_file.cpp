@@ -99,6 +99,10 @@ PoseIds counts(std::size_t poses) {
   return names;
 }
 
+/// Where it says of which session a pose is, if a trajectory does not.
+constexpr const char* kSessionsByTable =
+    "a table like poses.csv does, by its column session, and `mapjoin error` measures the trajectory_K.tum of one session";
+
 tl::unexpected<Error> both_under_way(std::uint32_t session, std::uint32_t other, double time) {
   return tl::unexpected(
       Error{ErrorKind::kUsage,
@@ -164,25 +168,32 @@ void TruthFile::demand_counts() const {
 }
 
 template <typename Found>
-Found TruthFile::told(Expected<Found> found) const {
+Found TruthFile::told(Expected<Found> found, const char* remedy) const {
   if (found) return *std::move(found);
-  fail(found.error().kind, fmt::format("{}: {}; a table like poses.csv does, by its column session, and `mapjoin error` "
-                                       "measures the trajectory_K.tum of one session",
-                                       path_, found.error().message));
+  fail(found.error().kind, fmt::format("{}: {}; {}", path_, found.error().message, remedy));
 }
 
 template <int Dim>
 Table<PoseIndex, std::optional<Pose<Dim>>> TruthFile::poses_in(const Log<Dim>& truth, const PoseIds& poses,
                                                                const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   if (!is_map_trajectory_) return by_name(truth.poses, truth.initial.poses, poses);
-  if (stamps_ns.empty() || truth.stamps_ns.empty()) return by_name(counts(truth.poses.size()), truth.initial.poses, poses);
+  if (stamps_ns.empty() || truth.stamps_ns.empty()) {
+    if (!stamps_ns.empty() && truth.poses.size() != poses.size()) {
+      fail(ErrorKind::kUsage, fmt::format("{}: has no times by which to find the {} of the map among its {}; a TUM file or a "
+                                          "table with times has them",
+                                          path_, plural(poses.size(), "pose"), truth.poses.size()));
+    }
+    return by_name(counts(truth.poses.size()), truth.initial.poses, poses);
+  }
   std::vector<StampedPose> lines, of_map;
   for (const PoseIndex p : indices(truth.stamps_ns)) {
     lines.push_back({in_seconds(truth.stamps_ns[p]), in_space(truth.initial.poses[p])});
   }
   for (const std::int64_t stamp : stamps_ns) of_map.push_back({in_seconds(stamp), {}});
-  told(by_time<Dim>(of_map, truth.poses, truth.stamps_ns, most_apart_));  // of which session of the truth the map is
-  return told(by_time<Dim>(lines, poses, stamps_ns, most_apart_));
+  // The map has to be of one session of the truth at any time.
+  told(by_time<Dim>(of_map, truth.poses, truth.stamps_ns, most_apart_),
+       "the folder of the run, in place of its trajectory, does");
+  return told(by_time<Dim>(lines, poses, stamps_ns, most_apart_), kSessionsByTable);
 }
 
 template <int Dim>
@@ -191,7 +202,7 @@ Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
     const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
     if (has_times_ && !stamps_ns.empty()) {
-      return {told(by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_)), no_features};
+      return {told(by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_), kSessionsByTable), no_features};
     }
     demand_counts();
     return {by_count<Dim>(*trajectory, counted_.empty() ? poses : counted_, poses), no_features};

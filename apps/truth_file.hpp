@@ -80,9 +80,9 @@ class TruthFile {
 
  private:
   void demand_counts() const;
-  /// The poses that were found by time; fails with what by_time() says.
+  /// The poses that were found by time; fails with what by_time() says, and the remedy.
   template <typename Found>
-  Found told(Expected<Found> found) const;
+  Found told(Expected<Found> found, const char* remedy) const;
   template <int Dim>
   Table<PoseIndex, std::optional<Pose<Dim>>> poses_in(const Log<Dim>& truth, const PoseIds& poses,
                                                       const Table<PoseIndex, std::int64_t>& stamps_ns) const;

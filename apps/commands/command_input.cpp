@@ -36,6 +36,13 @@ void demand_names(const std::string& input, const AssociationOptions& associatio
                               "within each of several stores; of one, --associate goes with `mapjoin build`");
 }
 
+/// Refuses to look for outliers in the local maps of a store.
+[[noreturn]] void refuse_robust() {
+  fail(ErrorKind::kUsage,
+       "the local maps of a store are built already, with what may be wrong: --robust goes with `mapjoin run LOG`, whose "
+       "inliers.g2o `mapjoin build` takes");
+}
+
 /// Refuses fixes at too few poses to hold the map: it could turn about them.
 template <int Dim>
 void demand_held(const Log<Dim>& log, const GpsFixes& fixes) {
@@ -148,11 +155,17 @@ template <typename Input>
 Input CommandRun::take_input(Input input) {
   std::visit(
       [&](auto& any) {
+        constexpr bool is_built = requires {
+          any.log;
+        };
+        if (is_built && options_.robust) refuse_robust();
         take_weights(options_, any);
         run_report.describe(any);
         if (options_.association) associate_features(any);
         settle_truth(any);
-        if (options_.robust) reject_outliers(any);
+        if constexpr (!is_built) {
+          if (options_.robust) reject_outliers(any);
+        }
       },
       input);
   check_interrupted();
@@ -230,13 +243,6 @@ void CommandRun::reject_outliers(Input& input) {
   run_report.describe(input, inliers.rejected);
   input = std::move(inliers.input);
   input.graph.fixed = fixed;
-}
-
-template <int Dim>
-void CommandRun::reject_outliers(StoredMaps<Dim>&) {
-  fail(ErrorKind::kUsage,
-       "the local maps of a store are built already, with what may be wrong: --robust goes with `mapjoin run LOG`, whose "
-       "inliers.g2o `mapjoin build` takes");
 }
 
 template AnyLog CommandRun::take_input(AnyLog);

@@ -135,12 +135,10 @@ class CommandRun {
   void attach_gps(Log<Dim>& log);
   /// The options of --robust, which must have been asked for.
   RobustOptions robust_options() const;
-  /// Leaves out what --robust rejects in a log or a set of local maps; kUsage for a store, whose maps are built already. Bad
-  /// input in parts that nothing ties, unless the command tells of them.
+  /// Leaves out what --robust rejects in a log or a set of local maps. Bad input in parts that nothing ties, unless the command
+  /// tells of them.
   template <typename Input>
   void reject_outliers(Input& input);
-  template <int Dim>
-  void reject_outliers(StoredMaps<Dim>& stored);
   /// Puts the covariances asked for into the map of a result, and their medians and the consistency with the truth into the
   /// report.
   template <int Dim>

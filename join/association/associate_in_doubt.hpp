@@ -16,8 +16,9 @@ namespace mapjoin {
 ///
 /// Where names hold, what find_inliers() rejects within the parts takes no part; a rejected observation goes with its name.
 /// Otherwise features are found without closures, but for those that alone tie poses; by these features find_inliers() judges
-/// all closures, and features are found anew with those it keeps, until it keeps the same ones, or three times in all. Errors
-/// as of associate() and find_inliers().
+/// all closures (and odometry, if robust.odometry), and features are found anew with what it keeps, until it keeps the same, or
+/// three times in all. If it then rejects closures that others support (ClosureSupport), the same is begun with these, and the
+/// outcome with fewer features and rejected measurements is taken. Errors as of associate() and find_inliers().
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate_in_doubt(const Log<Dim>& log, const AssociationOptions& options,
                                                   const RobustOptions& robust, const std::stop_token& stop = {});

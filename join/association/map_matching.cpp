@@ -47,15 +47,14 @@ std::vector<FeatureIndex> MapMatching<Dim>::near(FeatureIndex feature, std::size
     const double bound = 2.0 * gate_ * (own + covariances_[other].trace());
     if (other == feature || estimate_.parts.of_feature[other] != estimate_.parts.of_feature[feature]) return;
     if ((position(other) - position(feature)).squaredNorm() > bound) return;
-    const auto sees = [&](std::size_t s) { return identities_.sighting(s).map <= map; };
-    if (!std::ranges::any_of(identities_.sightings_of(other), sees)) return;
     if (identities_.may_be_same(feature, other)) found.push_back(other);
   };
   if (only_neighbours) {
     for (std::size_t m = map == 0 ? 0 : map - 1; m <= map; ++m) std::ranges::for_each(identities_.features_in(m), consider);
   } else {
+    const auto sees = [&](std::size_t s) { return identities_.sighting(s).map <= map; };
     for (const std::size_t place : tree_.within(position(feature), std::sqrt(2.0 * gate_ * (own + largest_)))) {
-      consider(FeatureIndex(place));
+      if (std::ranges::any_of(identities_.sightings_of(FeatureIndex(place)), sees)) consider(FeatureIndex(place));
     }
   }
   make_distinct(found);

@@ -63,7 +63,10 @@ TEST_F(ErrorCommand, FindsThePosesOfATrajectoryInATruthWithNamesByTimeElseByCoun
   const std::string two = folder.file("two.csv",
                                       "session,pose,x,y,phi,stamp_ns\n0,0,0,0,0,10000000000\n0,1,1,0,0,12000000000\n"
                                       "1,0,9,0,0,11000000000\n1,1,9,0,0,13000000000\n");
-  EXPECT_THAT(call({"error", some, two}).err, HasSubstr("two.csv: sessions 1 and 0 are both under way at 11.000 s"));
+  EXPECT_THAT(call({"error", some, two}).err, AllOf(HasSubstr("two.csv: sessions 1 and 0 are both under way at 11.000 s"),
+                                                    HasSubstr("the folder of the run, in place of its trajectory, does")));
+  EXPECT_THAT(call({"error", some, named}).err,
+              HasSubstr("named.g2o: has no times by which to find the 2 poses of the map among its 3"));
 }
 
 TEST_F(ErrorCommand, CountsThePosesOfATrajectoryWithoutTimesAlsoForAMapWithTimes) {

@@ -52,7 +52,9 @@ Dealer<Dim>::Dealer(const Table<PoseIndex, std::int32_t>& regions, std::size_t p
   for (const auto& o : share.log.observations()) is_told[o.base] = true;
   for (const auto& o : share.apart.pose_factors) {
     is_told[own_place(o)] = true;
-    if (o.base != kWorld) ++degrees_[o.base], ++degrees_[o.target];
+    if (o.base == kWorld) continue;
+    ++degrees_[o.base];
+    ++degrees_[o.target];
   }
   for (const PoseIndex p : indices(is_told)) {
     if (!is_told[p]) told_by_none_.push_back(p);

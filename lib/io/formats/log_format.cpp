@@ -150,6 +150,12 @@ struct Known {
   std::size_t begin = 0;  ///< Start of the line by which the format is known.
 };
 
+/// What follows the first line of a text and the end of that line; `line` is its reader, which has read it.
+std::string_view behind(const TextScanner& line, std::string_view text) {
+  const std::size_t end = text.find('\n', text.size() - line.size());
+  return end == text.npos ? std::string_view() : text.substr(end + 1);
+}
+
 /// The format that the options ask for, otherwise the one known by the first line that may not be left out, and the start of
 /// that line; nullopt if no format is known.
 std::optional<Known> known_format(std::string_view bytes, const ReadOptions& options) {
@@ -160,7 +166,7 @@ std::optional<Known> known_format(std::string_view bytes, const ReadOptions& opt
     }
     TextScanner line("", rest);
     if (!options.skip_unknown || !line.next_line()) break;
-    rest.remove_prefix(std::min(rest.find('\n', rest.size() - line.size()), rest.size() - 1) + 1);
+    rest = behind(line, rest);
   }
   return options.from ? std::optional(Known{*options.from}) : std::nullopt;
 }
