@@ -73,17 +73,12 @@ struct Account {
   std::size_t assumptions() const { return found.data.features.size() + inliers.rejected.size(); }
 };
 
-template <int Dim>
-bool is_same(const PoseFactor<Dim>& one, const PoseFactor<Dim>& other) {
-  return one.base == other.base && one.target == other.target && one.measured == other.measured;
-}
-
 /// True if a log has all edges of another one, both in the order of a third.
 template <int Dim>
 bool has_edges_of(const Log<Dim>& other, const Log<Dim>& log) {
   auto next = log.graph.pose_factors.begin();
   return std::ranges::all_of(other.graph.pose_factors, [&](const PoseFactor<Dim>& edge) {
-    next = std::find_if(next, log.graph.pose_factors.end(), [&](const auto& own) { return is_same<Dim>(own, edge); });
+    next = std::find_if(next, log.graph.pose_factors.end(), [&](const auto& own) { return is_same_edge(own, edge); });
     return next != log.graph.pose_factors.end();
   });
 }
@@ -161,9 +156,10 @@ class DoubtedClosures {
       put_in_order(found->data);
       auto inliers = inliers_of(found->data, robust_, stop_);
       if (!inliers) return tl::unexpected(inliers.error());
-      const bool are_believed = has_edges_of(inliers->input, believed) && has_edges_of(believed, inliers->input);
+      const auto& kept = inliers->input.graph.pose_factors;
+      const bool are_believed = std::ranges::equal(kept, believed.graph.pose_factors, is_same_edge<Dim>);
       if (round == kMostRounds || are_believed) return Account<Dim>{*std::move(found), *std::move(inliers)};
-      believed.graph.pose_factors = inliers->input.graph.pose_factors;
+      believed.graph.pose_factors = kept;
       put_in_order(believed);
     }
   }

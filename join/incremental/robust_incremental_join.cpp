@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <mapjoin/join/incremental/robust_incremental_join.hpp>
+#include <mapjoin/join/robust/selection.hpp>
 #include <mapjoin/localmap/taken_apart.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
@@ -27,11 +28,6 @@ void name_by(std::size_t number, SubmapUpdate<Dim>& update) {
 template <int Dim>
 const PoseFactor<Dim>& closure_of(const SubmapUpdate<Dim>& update) {
   return update.graph.pose_factors.front();
-}
-
-template <int Dim>
-bool is_same(const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
-  return a.base == b.base && a.target == b.target && a.measured == b.measured && a.information == b.information;
 }
 
 /// The effect of two steps of the same addition together.
@@ -63,7 +59,7 @@ Expected<std::vector<bool>> kept_closures(const std::vector<const SubmapUpdate<D
     std::vector<bool> is_kept;
     for (const auto& closure : std::span(set.graph.pose_factors).last(closures.size())) {
       const auto [first, last] = kept.equal_range(closure);
-      const auto found = std::find_if(first, last, [&](const auto& one) { return is_same(one, closure); });
+      const auto found = std::find_if(first, last, [&](const auto& one) { return is_same_edge(one, closure); });
       is_kept.push_back(found != last);
       if (found != last) kept.erase(found);
     }

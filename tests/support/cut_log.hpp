@@ -2,6 +2,7 @@
 #pragma once
 // A log cut into sessions, as if driven on several days.
 
+#include <mapjoin/io/merged_logs.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <string>
 #include <tests/support/random.hpp>
@@ -38,6 +39,13 @@ Log<Dim> cut_session(const Log<Dim>& log, std::size_t session, std::size_t sessi
     builder.add_feature(log.features[seen.target]);
   }
   return std::move(builder).finish().value();
+}
+
+/// The two halves of a log as sessions that share no names of features.
+template <int Dim>
+Log<Dim> in_two_sessions(const Log<Dim>& log) {
+  std::vector<Log<Dim>> logs = {cut_session(log, 0, 2), cut_session(log, 1, 2)};
+  return merged(std::move(logs), {.own_features = true}).value();
 }
 
 /// The log without edges between its `sessions` sessions.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <mapjoin/io/merged_logs.hpp>
 #include <mapjoin/join/association/associate_in_doubt.hpp>
 #include <set>
 #include <tests/support/cut_log.hpp>
@@ -116,7 +115,7 @@ std::set<std::size_t> misname(std::vector<FeatureFactor<Dim>>& observations) {
 TYPED_TEST(AssociateInDoubtTest, TiesSessionsInSpiteOfWrongNamesInThem) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = wood<kDim>(1);
-  Log<kDim> log = merged<kDim>({cut_session(world.log, 0, 2), cut_session(world.log, 1, 2)}, {.own_features = true}).value();
+  Log<kDim> log = in_two_sessions(world.log);
   AssociationOptions own;
   own.names_hold = true;
   const auto right = associate(log, own).value();
@@ -136,9 +135,7 @@ TYPED_TEST(AssociateInDoubtTest, TiesSessionsInSpiteOfWrongNamesInThem) {
 }
 
 TEST(AssociateInDoubt, TiesLocalMapsInSpiteOfWrongNamesInThem) {
-  const Log<2> whole = wood<2>(1).log;
-  const Log<2> log = merged<2>({cut_session(whole, 0, 2), cut_session(whole, 1, 2)}, {.own_features = true}).value();
-  SubmapSet<2> set = small_submap_set(log, 20);
+  SubmapSet<2> set = small_submap_set(in_two_sessions(wood<2>(1).log), 20);
   AssociationOptions own;
   own.names_hold = true;
   const auto right = associate(set, own).value();

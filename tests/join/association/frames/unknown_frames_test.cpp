@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <mapjoin/io/merged_logs.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/run.hpp>
 #include <tests/support/cut_log.hpp>
@@ -12,12 +11,6 @@
 
 namespace mapjoin::testing {
 namespace {
-
-template <int Dim>
-Log<Dim> in_two_sessions(const Log<Dim>& log) {
-  std::vector<Log<Dim>> logs = {cut_session(log, 0, 2), cut_session(log, 1, 2)};
-  return merged(std::move(logs), {.own_features = true}).value();
-}
 
 template <typename D>
 class UnknownFramesTest : public ::testing::Test {};
