@@ -81,6 +81,13 @@ std::string folder_of_part(std::size_t part);
 /// The paths in the folder of a run that are named like folders of parts.
 std::vector<std::filesystem::path> folders_of_parts(const std::filesystem::path& folder);
 
+/// The files that an earlier run wrote into a folder, by its report there, which lists itself among them.
+std::vector<std::string> files_of_former_run(const std::filesystem::path& folder);
+
+/// The folder of a run and those of parts in it that hold a run, except the folders `written`.
+std::vector<std::filesystem::path> other_runs_in(const std::filesystem::path& folder,
+                                                 const std::vector<std::filesystem::path>& written);
+
 /// The files of a map: the path itself and, for `.csv`, that of its features beside it, in `.features.csv`.
 std::vector<std::filesystem::path> map_files(const std::filesystem::path& path);
 

@@ -46,7 +46,7 @@ void add_leniency(Subcommand& command, Options& options) {
   command.flag("--skip-unknown", options.read.skip_unknown, "Leave out lines of unknown tags, and count them");
   command.flag("--skip-self-edges", options.read.skip_self_edges, "Leave out edges from a pose to itself, and count them");
   const auto skip = std::make_shared<bool>(false);
-  command.flag("--skip-undeclared", *skip, "Leave out edges to what a file with vertices does not declare, and count them");
+  command.flag("--skip-undeclared", *skip, "Leave out lines that name what a file with vertices does not declare, and count them");
   command.flag("--identity-where-missing", options.read.identity_where_missing,
                "Take the identity for the weights of edges without any, and count them");
   command.check([&options, skip]() -> std::vector<std::string> {

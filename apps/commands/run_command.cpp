@@ -8,7 +8,7 @@
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/follow.hpp>
 #include <apps/commands/subcommand.hpp>
-#include <apps/former_run.hpp>
+#include <apps/outputs.hpp>
 #include <apps/picture/links.hpp>
 #include <apps/picture/plotted_map.hpp>
 #include <apps/report/report.hpp>

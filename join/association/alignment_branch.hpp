@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 #include <mapjoin/join/association/feature_estimate.hpp>
-#include <mapjoin/join/association/hypothesis.hpp>
 #include <mapjoin/join/association/map_matching.hpp>
+#include <mapjoin/join/association/matching/hypothesis.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <optional>
 #include <span>
@@ -20,7 +20,7 @@ class CovarianceColumns {
  public:
   explicit CovarianceColumns(const FeatureEstimate<Dim>& estimate);
 
-  const Point<Dim>& position(FeatureIndex feature) const { return estimate_->covariances->state().features[feature]; }
+  const Point<Dim>& position(FeatureIndex feature) const { return estimate_->position(feature); }
   /// Solves for those columns of the features that are missing.
   void add(std::span<const FeatureIndex> features);
   /// Drops the columns of all other features.

@@ -5,7 +5,7 @@
 #include <functional>
 #include <mapjoin/io/store/contents.hpp>
 #include <mapjoin/join/association/frames/map_alignment.hpp>
-#include <mapjoin/join/association/matching.hpp>
+#include <mapjoin/join/association/matching/matching.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/submap_set.hpp>

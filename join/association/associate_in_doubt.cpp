@@ -78,7 +78,7 @@ template <int Dim>
 bool has_edges_of(const Log<Dim>& other, const Log<Dim>& log) {
   auto next = log.graph.pose_factors.begin();
   return std::ranges::all_of(other.graph.pose_factors, [&](const PoseFactor<Dim>& edge) {
-    next = std::find_if(next, log.graph.pose_factors.end(), [&](const auto& own) { return is_same_edge(own, edge); });
+    next = std::find(next, log.graph.pose_factors.end(), edge);
     return next != log.graph.pose_factors.end();
   });
 }
@@ -157,8 +157,8 @@ class DoubtedClosures {
       auto inliers = inliers_of(found->data, robust_, stop_);
       if (!inliers) return tl::unexpected(inliers.error());
       const auto& kept = inliers->input.graph.pose_factors;
-      const bool are_believed = std::ranges::equal(kept, believed.graph.pose_factors, is_same_edge<Dim>);
-      if (round == kMostRounds || are_believed) return Account<Dim>{*std::move(found), *std::move(inliers)};
+      if (round == kMostRounds || kept == believed.graph.pose_factors)
+        return Account<Dim>{*std::move(found), *std::move(inliers)};
       believed.graph.pose_factors = kept;
       put_in_order(believed);
     }

@@ -158,7 +158,15 @@ Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim> log, Split split, const std:
   return estimate;
 }
 
+template <int Dim>
+std::vector<Variable> FeatureEstimate<Dim>::variables_of(const std::vector<FeatureIndex>& features) const {
+  std::vector<Variable> variables;
+  for (const FeatureIndex f : features) variables.push_back(covariances->variable(f));
+  return variables;
+}
+
 #define MAPJOIN_INSTANTIATE(Dim)                                                               \
+  template struct FeatureEstimate<Dim>;                                                        \
   template PartNumbers part_numbers_of(const SubmapSet<Dim>&);                                 \
   template PartNumbers part_numbers_of(const Log<Dim>&);                                       \
   template PartNumbers hold_parts(SubmapSet<Dim>&);                                            \

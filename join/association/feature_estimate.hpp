@@ -68,6 +68,10 @@ struct FeatureEstimate {
   PartNumbers parts;               ///< The parts, each in a frame of its own.
   std::vector<bool> is_local_map;  ///< False for a map of the sightings that is observations on their own.
   double scale = 1.0;              ///< The factor by which covariances are to be multiplied.
+
+  const Point<Dim>& position(FeatureIndex feature) const { return covariances->state().features[feature]; }
+  /// The variables of features, in their order.
+  std::vector<Variable> variables_of(const std::vector<FeatureIndex>& features) const;
 };
 
 /// Joins the local maps of a set, or of a log cut along `split`, after hold_parts(). Errors as of join(); kInterrupted on

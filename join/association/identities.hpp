@@ -2,6 +2,7 @@
 #pragma once
 // The association of sightings with features.
 
+#include <algorithm>
 #include <cstddef>
 #include <mapjoin/model/ids.hpp>
 #include <span>
@@ -34,6 +35,9 @@ class Identities {
   std::span<const FeatureIndex> features_in(std::size_t map) const {
     return map < in_map_.size() ? std::span<const FeatureIndex>(in_map_[map]) : std::span<const FeatureIndex>();
   }
+
+  /// True if a map sees a feature.
+  bool sees(std::size_t map, FeatureIndex feature) const { return std::ranges::binary_search(features_in(map), feature); }
 
   /// False if a scan sees both, or if they have been told apart.
   bool may_be_same(FeatureIndex one, FeatureIndex other) const;

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/association/map_matching.hpp>
-#include <mapjoin/join/association/overlooked.hpp>
-#include <mapjoin/model/lists.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/cross_covariances.hpp>
-#include <numbers>
 
 namespace mapjoin {
 
@@ -19,94 +15,14 @@ MapMatching<Dim>::MapMatching(const FeatureEstimate<Dim>& estimate, const Identi
       density_(density),
       method_(method),
       confidence_(confidence),
-      scale_(estimate.scale),
-      gate_(Matcher<Dim>(density, method, confidence, static_cast<double>(identities.sighting_count())).gate()),
-      tree_(estimate.covariances->state().features) {
-  for (std::size_t f = 0; f < identities.feature_count(); ++f) {
-    covariances_.push_back(scale_ * (*estimate.marginals)[estimate.covariances->variable(FeatureIndex(f))]);
-    largest_ = std::max(largest_, covariances_.back().trace());
-  }
-  if (method == AssociationMethod::kNearest) return;  // which looks at distances alone
-  std::vector<std::vector<FeatureIndex>> unclear(identities.map_count());
-  parallel_for(unclear.size(), [&](std::size_t map) { unclear[map] = this->unclear(map); });
-  map_sees_ = chance_of_maps(estimate, identities, unclear);
+      candidates_(estimate, identities, density, matcher().gate()) {
+  // Nearest neighbours go by distances alone.
+  if (method != AssociationMethod::kNearest) map_sees_ = candidates_.sighting_chance();
 }
 
 template <int Dim>
-bool MapMatching<Dim>::is_in(FeatureIndex feature, std::size_t map) const {
-  return std::ranges::binary_search(identities_.features_in(map), feature);
-}
-
-/// The features seen by `map` or before it that could be the same as `feature`, ascending. The covariance of a difference is at
-/// most twice the sum of those of its terms.
-template <int Dim>
-std::vector<FeatureIndex> MapMatching<Dim>::near(FeatureIndex feature, std::size_t map, bool only_neighbours) const {
-  std::vector<FeatureIndex> found;
-  const double own = covariances_[feature].trace();
-  const auto consider = [&](FeatureIndex other) {
-    const double bound = 2.0 * gate_ * (own + covariances_[other].trace());
-    if (other == feature || estimate_.parts.of_feature[other] != estimate_.parts.of_feature[feature]) return;
-    if ((position(other) - position(feature)).squaredNorm() > bound) return;
-    if (identities_.may_be_same(feature, other)) found.push_back(other);
-  };
-  if (only_neighbours) {
-    for (std::size_t m = map == 0 ? 0 : map - 1; m <= map; ++m) std::ranges::for_each(identities_.features_in(m), consider);
-  } else {
-    const auto sees = [&](std::size_t s) { return identities_.sighting(s).map <= map; };
-    for (const std::size_t place : tree_.within(position(feature), std::sqrt(2.0 * gate_ * (own + largest_)))) {
-      if (std::ranges::any_of(identities_.sightings_of(FeatureIndex(place)), sees)) consider(FeatureIndex(place));
-    }
-  }
-  make_distinct(found);
-  return found;
-}
-
-template <int Dim>
-typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map, bool only_neighbours) const {
-  Open open;
-  std::vector<std::vector<FeatureIndex>> near_to;
-  for (const FeatureIndex feature : identities_.features_in(map)) {
-    auto others = near(feature, map, only_neighbours);
-    if (others.empty()) continue;
-    open.features.push_back(feature);
-    near_to.push_back(std::move(others));
-  }
-  std::set<FeatureIndex> all(open.features.begin(), open.features.end());
-  for (const auto& others : near_to) all.insert(others.begin(), others.end());
-  open.with_near.assign(all.begin(), all.end());
-  open.covariances =
-      scale_ *
-      CrossCovariances(estimate_.covariances->equations()).between(variables_of(open.features), variables_of(open.with_near));
-  const double per_deviation = std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density_.overall();
-  for (std::size_t k = 0; k < open.features.size(); ++k) {
-    auto& candidates = open.candidates.emplace_back();
-    for (const FeatureIndex other : near_to[k]) {
-      const PointMatrix<Dim> C = open.covariance(other, k);
-      const PointMatrix<Dim> S = covariances_[open.features[k]] + covariances_[other] - C - C.transpose();
-      const Point<Dim> d = position(other) - position(open.features[k]);
-      const Eigen::LLT<PointMatrix<Dim>> factor(S);
-      const double d2 = Point<Dim>(factor.matrixL().solve(d)).squaredNorm();
-      if (factor.info() != Eigen::Success || !(d2 <= gate_)) continue;  // S may not be finite
-      // √det S by its factor: det S itself may overflow.
-      candidates.push_back({other, per_deviation * factor.matrixLLT().diagonal().prod(), S});
-    }
-  }
-  return open;
-}
-
-/// The features of a local map and of the one before it that may be the same, ascending; empty if either is none.
-template <int Dim>
-std::vector<FeatureIndex> MapMatching<Dim>::unclear(std::size_t map) const {
-  if (map == 0 || !estimate_.is_local_map[map - 1] || !estimate_.is_local_map[map]) return {};
-  std::set<FeatureIndex> unclear;
-  const Open open = open_features(map, true);
-  for (std::size_t k = 0; k < open.features.size(); ++k) {
-    if (is_in(open.features[k], map - 1)) continue;
-    for (const Candidate& candidate : open.candidates[k]) {
-      if (is_in(candidate.feature, map - 1)) unclear.insert({candidate.feature, open.features[k]});
-    }
-  }
-  return {unclear.begin(), unclear.end()};
+Matcher<Dim> MapMatching<Dim>::matcher() const {
+  return {density_, method_, confidence_, static_cast<double>(identities_.sighting_count())};
 }
 
 /// The features of a map; unpaired are those that the other map does not see and that are not candidates.
@@ -115,46 +31,33 @@ MapFeatures<Dim> MapMatching<Dim>::features_of(std::size_t map, std::size_t othe
                                                const std::set<FeatureIndex>& candidates) const {
   MapFeatures<Dim> features;
   for (const FeatureIndex f : identities_.features_in(map)) {
-    features.all.push_back(position(f));
-    if (!candidates.contains(f) && !is_in(f, other)) features.unpaired.push_back(position(f));
+    features.all.push_back(estimate_.position(f));
+    if (!candidates.contains(f) && !identities_.sees(other, f)) features.unpaired.push_back(estimate_.position(f));
   }
   return features;
-}
-
-template <int Dim>
-PointMatrix<Dim> MapMatching<Dim>::Open::covariance(FeatureIndex one, std::size_t place) const {
-  const auto column = std::ranges::lower_bound(with_near, one) - with_near.begin();
-  return covariances.template block<Dim, Dim>(static_cast<Eigen::Index>(place) * Dim, column * Dim).transpose();
-}
-
-template <int Dim>
-std::vector<Variable> MapMatching<Dim>::variables_of(const std::vector<FeatureIndex>& features) const {
-  std::vector<Variable> variables;
-  for (const FeatureIndex f : features) variables.push_back(estimate_.covariances->variable(f));
-  return variables;
 }
 
 /// The joint covariance of features that one map sees.
 template <int Dim>
 Eigen::MatrixXd MapMatching<Dim>::joint(const std::vector<FeatureIndex>& features, std::size_t map) const {
-  const std::vector<Variable> variables = variables_of(features);
-  if (estimate_.is_local_map[map]) return scale_ * estimate_.marginals->joint(variables);
-  return scale_ * CrossCovariances(estimate_.covariances->equations()).joint(variables);
+  const std::vector<Variable> variables = estimate_.variables_of(features);
+  if (estimate_.is_local_map[map]) return estimate_.scale * estimate_.marginals->joint(variables);
+  return estimate_.scale * CrossCovariances(estimate_.covariances->equations()).joint(variables);
 }
 
 template <int Dim>
 PairingProblem<Dim> MapMatching<Dim>::problem(const std::vector<FeatureIndex>& known,
-                                              const std::vector<std::size_t>& open_places, const Open& open,
+                                              const std::vector<std::size_t>& open_places, const OpenFeatures<Dim>& open,
                                               std::size_t known_map) const {
   PairingProblem<Dim> problem;
-  for (const FeatureIndex f : known) problem.known.push_back(position(f));
+  for (const FeatureIndex f : known) problem.known.push_back(estimate_.position(f));
   const Eigen::Index first = problem.row_of_sighting(0);
   const Eigen::Index rows = problem.row_of_sighting(open_places.size());
   problem.covariance.resize(rows, rows);
   problem.covariance.topLeftCorner(first, first) = joint(known, known_map);
   for (std::size_t s = 0; s < open_places.size(); ++s) {
     const std::size_t place = open_places[s];
-    problem.sightings.push_back(position(open.features[place]));
+    problem.sightings.push_back(estimate_.position(open.features[place]));
     const Eigen::Index column = problem.row_of_sighting(s);
     for (std::size_t k = 0; k < known.size(); ++k) {
       problem.covariance.template block<Dim, Dim>(problem.row_of_known(k), column) = open.covariance(known[k], place);
@@ -165,7 +68,7 @@ PairingProblem<Dim> MapMatching<Dim>::problem(const std::vector<FeatureIndex>& k
     }
     auto& choices = problem.choices.emplace_back();
     for (std::size_t k = 0; k < known.size(); ++k) {
-      if (std::ranges::find(open.candidates[place], known[k], &Candidate::feature) != open.candidates[place].end()) {
+      if (std::ranges::find(open.candidates[place], known[k], &Candidate<Dim>::feature) != open.candidates[place].end()) {
         choices.push_back(k);
       }
     }
@@ -175,16 +78,16 @@ PairingProblem<Dim> MapMatching<Dim>::problem(const std::vector<FeatureIndex>& k
 }
 
 template <int Dim>
-Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, const Open& open, double reach,
+Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, const OpenFeatures<Dim>& open, double reach,
                                     Matcher<Dim>& matcher) const {
   std::set<FeatureIndex> known, sightings;
   std::vector<std::size_t> places;
   double confusable = 0.0;
   for (std::size_t k = 0; k < open.features.size(); ++k) {
-    if (is_in(open.features[k], earlier)) continue;
+    if (identities_.sees(earlier, open.features[k])) continue;
     bool has_candidate = false;
-    for (const Candidate& candidate : open.candidates[k]) {
-      if (!is_in(candidate.feature, earlier) || is_in(candidate.feature, later)) continue;
+    for (const Candidate<Dim>& candidate : open.candidates[k]) {
+      if (!identities_.sees(earlier, candidate.feature) || identities_.sees(later, candidate.feature)) continue;
       has_candidate = true;
       known.insert(candidate.feature);
       confusable = std::max(confusable, candidate.confusable);
@@ -214,7 +117,7 @@ Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, cons
 
 /// Matches the set-aside sightings of a map, scan by scan, with features of it that were seen more often or before.
 template <int Dim>
-Proposals MapMatching<Dim>::within(std::size_t map, const Open& open, Matcher<Dim>& matcher) const {
+Proposals MapMatching<Dim>::within(std::size_t map, const OpenFeatures<Dim>& open, Matcher<Dim>& matcher) const {
   std::map<std::size_t, std::vector<std::size_t>> scans;
   for (std::size_t k = 0; k < open.features.size(); ++k) {
     const auto sightings = identities_.sightings_of(open.features[k]);
@@ -226,9 +129,9 @@ Proposals MapMatching<Dim>::within(std::size_t map, const Open& open, Matcher<Di
     std::vector<std::size_t> places;
     for (const std::size_t k : set_aside) {
       const std::size_t before = known.size();
-      for (const Candidate& candidate : open.candidates[k]) {
+      for (const Candidate<Dim>& candidate : open.candidates[k]) {
         const bool is_known = identities_.sightings_of(candidate.feature).size() > 1 || candidate.feature < open.features[k];
-        if (is_known && is_in(candidate.feature, map)) known.insert(candidate.feature);
+        if (is_known && identities_.sees(map, candidate.feature)) known.insert(candidate.feature);
       }
       if (known.size() > before) places.push_back(k);
     }
@@ -246,14 +149,14 @@ Proposals MapMatching<Dim>::within(std::size_t map, const Open& open, Matcher<Di
 template <int Dim>
 Proposals MapMatching<Dim>::of_map(std::size_t map, double reach, bool only_neighbours, const std::stop_token& stop) const {
   if (stop.stop_requested()) return {};
-  const Open open = open_features(map, only_neighbours);
+  const OpenFeatures<Dim> open = candidates_.of_map(map, only_neighbours);
   std::set<std::size_t> earlier;
   for (const auto& candidates : open.candidates) {
-    for (const Candidate& candidate : candidates) {
+    for (const Candidate<Dim>& candidate : candidates) {
       for (const std::size_t s : identities_.sightings_of(candidate.feature)) earlier.insert(identities_.sighting(s).map);
     }
   }
-  Matcher<Dim> matcher(density_, method_, confidence_, static_cast<double>(identities_.sighting_count()));
+  Matcher<Dim> matcher = this->matcher();
   Proposals proposals = within(map, open, matcher);
   for (const std::size_t other : earlier) {
     if (stop.stop_requested()) return {};
@@ -279,14 +182,14 @@ Proposals MapMatching<Dim>::propose(double reach, bool only_neighbours, const st
 
 template <int Dim>
 std::vector<MapPair<Dim>> MapMatching<Dim>::pairs_of(std::size_t map, double reach) const {
-  const Open open = open_features(map, false);
+  const OpenFeatures<Dim> open = candidates_.of_map(map, false);
   std::map<std::size_t, MapPair<Dim>> of_earlier;
   for (std::size_t k = 0; k < open.features.size(); ++k) {
-    for (const Candidate& candidate : open.candidates[k]) {
+    for (const Candidate<Dim>& candidate : open.candidates[k]) {
       if (candidate.confusable > reach) continue;
       for (const std::size_t s : identities_.sightings_of(candidate.feature)) {
         const std::size_t earlier = identities_.sighting(s).map;
-        if (earlier >= map || is_in(open.features[k], earlier) || is_in(candidate.feature, map)) continue;
+        if (earlier >= map || identities_.sees(earlier, open.features[k]) || identities_.sees(map, candidate.feature)) continue;
         const MapPair<Dim> found{
             {earlier, map}, {candidate.feature, open.features[k]}, candidate.confusable, candidate.covariance};
         const auto [least, is_first] = of_earlier.try_emplace(earlier, found);

@@ -2,11 +2,11 @@
 #pragma once
 // Matching of the features of different local maps, by the joined map of the identities known so far.
 
+#include <mapjoin/join/association/feature_candidates.hpp>
 #include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/association/identities.hpp>
-#include <mapjoin/join/association/matching.hpp>
-#include <mapjoin/join/association/point_tree.hpp>
-#include <mapjoin/join/association/sighting_chance.hpp>
+#include <mapjoin/join/association/matching/matching.hpp>
+#include <mapjoin/join/association/matching/sighting_chance.hpp>
 #include <set>
 #include <stop_token>
 #include <vector>
@@ -65,48 +65,23 @@ class MapMatching {
   std::vector<MapPair<Dim>> pairs(double reach, const std::stop_token& stop) const;
 
  private:
-  /// A feature that another one may be the same as.
-  struct Candidate {
-    FeatureIndex feature;
-    double confusable = 0.0;      // number of other features that it may be mistaken for
-    PointMatrix<Dim> covariance;  // covariance of the difference of the two (m²)
-  };
-  /// The features of a map that have candidates.
-  struct Open {
-    std::vector<FeatureIndex> features;
-    std::vector<std::vector<Candidate>> candidates;
-    std::vector<FeatureIndex> with_near;  // these features and all that lie near one of them, ascending
-    Eigen::MatrixXd covariances;          // a row for each coordinate of `features`, a column for each of `with_near`
-
-    /// The covariance of one of `with_near` (rows) with features[place] (columns).
-    PointMatrix<Dim> covariance(FeatureIndex one, std::size_t place) const;
-  };
-
-  Open open_features(std::size_t map, bool only_neighbours) const;
-  std::vector<FeatureIndex> unclear(std::size_t map) const;
   MapFeatures<Dim> features_of(std::size_t map, std::size_t other, const std::set<FeatureIndex>& candidates) const;
-  std::vector<FeatureIndex> near(FeatureIndex feature, std::size_t map, bool only_neighbours) const;
   std::vector<MapPair<Dim>> pairs_of(std::size_t map, double reach) const;
+  Matcher<Dim> matcher() const;
   Proposals of_map(std::size_t map, double reach, bool only_neighbours, const std::stop_token& stop) const;
-  Proposals of_pair(std::size_t earlier, std::size_t later, const Open& open, double reach, Matcher<Dim>& matcher) const;
-  Proposals within(std::size_t map, const Open& open, Matcher<Dim>& matcher) const;
+  Proposals of_pair(std::size_t earlier, std::size_t later, const OpenFeatures<Dim>& open, double reach,
+                    Matcher<Dim>& matcher) const;
+  Proposals within(std::size_t map, const OpenFeatures<Dim>& open, Matcher<Dim>& matcher) const;
   PairingProblem<Dim> problem(const std::vector<FeatureIndex>& known, const std::vector<std::size_t>& open_places,
-                              const Open& open, std::size_t known_map) const;
-  std::vector<Variable> variables_of(const std::vector<FeatureIndex>& features) const;
+                              const OpenFeatures<Dim>& open, std::size_t known_map) const;
   Eigen::MatrixXd joint(const std::vector<FeatureIndex>& features, std::size_t map) const;
-  const Point<Dim>& position(FeatureIndex feature) const { return estimate_.covariances->state().features[feature]; }
-  bool is_in(FeatureIndex feature, std::size_t map) const;
 
   const FeatureEstimate<Dim>& estimate_;
   const Identities& identities_;
   const NeighbourDensity<Dim>& density_;
   AssociationMethod method_;
   double confidence_;
-  double scale_;
-  double gate_;
-  Table<FeatureIndex, PointMatrix<Dim>> covariances_;
-  double largest_ = 0.0;  // largest trace of a covariance
-  PointTree<Dim> tree_;
+  FeatureCandidates<Dim> candidates_;
   SightingChance map_sees_;
 };
 

@@ -4,7 +4,6 @@
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/distributed/mapped_log.hpp>
 #include <mapjoin/measure/effort.hpp>
-#include <mapjoin/model/repeated_edges.hpp>
 #include <span>
 #include <utility>
 

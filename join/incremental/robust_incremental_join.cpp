@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <mapjoin/join/incremental/robust_incremental_join.hpp>
-#include <mapjoin/join/robust/selection.hpp>
 #include <mapjoin/localmap/taken_apart.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
@@ -59,7 +58,7 @@ Expected<std::vector<bool>> kept_closures(const std::vector<const SubmapUpdate<D
     std::vector<bool> is_kept;
     for (const auto& closure : std::span(set.graph.pose_factors).last(closures.size())) {
       const auto [first, last] = kept.equal_range(closure);
-      const auto found = std::find_if(first, last, [&](const auto& one) { return is_same_edge(one, closure); });
+      const auto found = std::find(first, last, closure);
       is_kept.push_back(found != last);
       if (found != last) kept.erase(found);
     }

@@ -8,12 +8,6 @@
 
 namespace mapjoin {
 
-/// True if two edges say the same of the same poses, in the same direction.
-template <int Dim>
-bool is_same_edge(const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
-  return a.base == b.base && a.target == b.target && a.measured == b.measured && a.information == b.information;
-}
-
 /// The log with some of its closures (ascending) and some of its observations; with all of its observations if the flags are
 /// empty.
 template <int Dim>

@@ -124,16 +124,7 @@ class Ties {
 };
 
 template <int Dim>
-bool is_same(const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
-  return a.base == b.base && a.target == b.target && a.measured == b.measured && a.information == b.information &&
-         a.lever == b.lever;
-}
-template <int Dim>
-bool is_same(const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b) {
-  return a.base == b.base && a.target == b.target && a.measured == b.measured && a.information == b.information;
-}
-template <int Dim>
-bool is_same(const LocalMap<Dim>& a, const LocalMap<Dim>& b) {
+bool is_same_map(const LocalMap<Dim>& a, const LocalMap<Dim>& b) {
   return a.base == b.base && a.poses == b.poses && a.features == b.features && a.pose_estimates == b.pose_estimates &&
          a.feature_estimates == b.feature_estimates && a.information.rows() == b.information.rows() &&
          a.information == b.information;
@@ -141,11 +132,10 @@ bool is_same(const LocalMap<Dim>& a, const LocalMap<Dim>& b) {
 
 template <typename Part>
 bool is_copy(const Part& a, const Part& b) {
-  const auto same = [](const auto& one, const auto& other) {
-    return std::ranges::equal(one, other, [](const auto& x, const auto& y) { return is_same(x, y); });
-  };
-  return a.poses == b.poses && a.features == b.features && same(a.graph.pose_factors, b.graph.pose_factors) &&
-         same(a.graph.feature_factors, b.graph.feature_factors) && same(a.graph.submaps, b.graph.submaps);
+  return a.poses == b.poses && a.features == b.features && a.graph.pose_factors == b.graph.pose_factors &&
+         a.graph.feature_factors == b.graph.feature_factors &&
+         std::ranges::equal(a.graph.submaps, b.graph.submaps,
+                            [](const auto& one, const auto& other) { return is_same_map(one, other); });
 }
 
 /// True if there are more measurements than it takes to place all poses and features relative to the first: two robots hardly

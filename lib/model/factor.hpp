@@ -7,12 +7,16 @@
 // Log((R_bᵀ R_t)ᵀ R̂), in 2D the heading difference wrapped to [-π, π].
 
 #include <algorithm>
+#include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/loss.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mapjoin {
 
@@ -26,6 +30,8 @@ struct PoseFactor {
   PoseMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m², 1/(m rad), 1/rad²).
   Loss loss = {};
   Point<Dim> lever = Point<Dim>::Zero();  ///< The measured point on the target, in its frame: an antenna, say (m).
+
+  bool operator==(const PoseFactor&) const = default;
 };
 
 /// The position of a feature in the frame of the pose that saw it or, from the World, a prior of a feature.
@@ -36,12 +42,24 @@ struct FeatureFactor {
   Point<Dim> measured;           ///< Feature in the frame of the base (m).
   PointMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m²).
   Loss loss = {};
+
+  bool operator==(const FeatureFactor&) const = default;
 };
 
 /// The later pose of a factor in driving order.
 template <int Dim>
 PoseIndex later_pose(const PoseFactor<Dim>& factor) {
   return std::max(factor.base, factor.target);
+}
+
+/// The number of repeated edges: those beyond the first between the same two poses, whatever their direction.
+template <int Dim>
+std::int64_t count_repeated(std::span<const PoseFactor<Dim>> edges) {
+  std::vector<std::pair<PoseIndex, PoseIndex>> ends;
+  ends.reserve(edges.size());
+  for (const auto& edge : edges) ends.emplace_back(std::minmax(edge.base, edge.target));
+  std::sort(ends.begin(), ends.end());
+  return ends.end() - std::unique(ends.begin(), ends.end());
 }
 
 /// The part of its target that a factor measures: the end of its lever with the target's rotation, or the whole feature.

@@ -3,12 +3,14 @@
 // The user's names of poses and features, and the dense indices that replace them internally.
 
 #include <algorithm>
+#include <charconv>
 #include <compare>
 #include <cstdint>
 #include <mapjoin/model/index.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -81,7 +83,16 @@ inline std::string key_text(std::uint64_t key) {
 }
 
 /// The key whose key_text() this is; nullopt for any other text.
-std::optional<std::uint64_t> parse_key(std::string_view text);
+inline std::optional<std::uint64_t> parse_key(std::string_view text) {
+  const std::uint64_t symbol = text.empty() ? 0 : std::uint64_t{static_cast<unsigned char>(text.front())} << 56;
+  const bool has_letter = symbol_letter(symbol) != '\0';
+  const std::string_view digits = text.substr(has_letter ? 1 : 0);
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
+  if (has_letter && number >> 56 != 0) return std::nullopt;
+  return has_letter ? symbol | number : number;
+}
 
 /// The name of a pose, "pose 17", or "pose 17 of session 2" if the session is not 0.
 inline std::string to_string(const PoseId& id) {

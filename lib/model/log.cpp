@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/repeated_edges.hpp>
 #include <numeric>
 #include <utility>
 

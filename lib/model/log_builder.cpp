@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <mapjoin/model/information.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <stdexcept>
@@ -150,7 +151,18 @@ LeftOut<Dim> LogBuilder<Dim>::take_undeclared() {
   });
   split(features_, has_feature, [&](const auto&...) { ++out.others; });
   std::erase_if(stamps_, [&](const auto& said) { return !has_pose(said.id); });
+  const std::size_t fixed = fixed_poses().size();
+  std::erase_if(fixed_, [&](const auto& said) { return !has_pose(said.id) && !has_feature(FeatureId{said.id.key}); });
+  out.fixed_poses = static_cast<std::int64_t>(fixed - fixed_poses().size());
   return out;
+}
+
+template <int Dim>
+std::vector<PoseId> LogBuilder<Dim>::fixed_poses() const {
+  std::vector<PoseId> ids;
+  for (const auto& said : fixed_) ids.push_back(said.id);
+  make_distinct(ids);
+  return ids;
 }
 
 template <int Dim>

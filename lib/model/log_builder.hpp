@@ -26,13 +26,14 @@ enum class PoseOrder : std::uint8_t {
   kOfIds,   ///< The order of the ids, whatever the edges say: for a log that grows.
 };
 
-/// Edges, observations and priors that are taken out of a log.
+/// What is taken out of a log.
 template <int Dim>
 struct LeftOut {
   std::vector<NamedEdge<Dim>> edges;  ///< Pose-pose edges.
-  std::int64_t others = 0;
+  std::int64_t others = 0;            ///< Number of other factors.
+  std::int64_t fixed_poses = 0;
 
-  std::int64_t count() const { return static_cast<std::int64_t>(edges.size()) + others; }
+  std::int64_t factor_count() const { return static_cast<std::int64_t>(edges.size()) + others; }
 };
 
 /// Builds a log. Poses and features are named by the user's ids and created when first mentioned.
@@ -74,7 +75,7 @@ class LogBuilder {
   /// the builder's conventions (see without_repairs()). Throws std::out_of_range if a factor refers to what the log does not
   /// have, or its sessions go beyond 2^32.
   void append(const Log<Dim>& log, std::uint32_t first_session = 0);
-  /// Removes poses and features without an initial value, with their time stamps, and returns the factors that refer to them.
+  /// Removes poses and features without an initial value, with their time stamps, and returns what refers to them.
   LeftOut<Dim> take_undeclared();
 
   /// Adds odometry or a closure; finish() decides which it is.
@@ -99,6 +100,8 @@ class LogBuilder {
   /// Fixes a pose, which must be mentioned elsewhere, at `value` or, if none is given, at its initial value; one pose without
   /// either is anchored at the origin.
   void fix(PoseId id, const std::optional<Pose<Dim>>& value = std::nullopt) { fixed_.push_back({id, value}); }
+  /// The ids of the poses that fix() was called with, ascending, each once.
+  std::vector<PoseId> fixed_poses() const;
 
   /// The log, with Log's invariants. kBadInput: an edge from a pose to itself, a pose or feature with two initial values, a
   /// pose with two stamps, stamps on some poses only, a pose that is fixed at two places or mentioned only by its fixing, a

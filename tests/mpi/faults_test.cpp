@@ -24,7 +24,7 @@ TEST_F(FaultsOnRanks, SaysWhereWhatIsUndeclaredIsNamedOrLeavesItOut) {
     const Ended ended = call_ranks(ranks, {"run", log});
     EXPECT_EQ(ended.exit_code, 3);
     EXPECT_THAT(ended.err, HasSubstr(fmt::format("more.g2o:{}:1: the file declares vertices, but not pose 5000; "
-                                                 "--skip-undeclared leaves such edges out\n",
+                                                 "--skip-undeclared leaves such lines out\n",
                                                  count_of(map, "\n") + 1)));
     const auto several = report_of_ranks(ranks, {"run", log, "--skip-undeclared"});
     EXPECT_EQ(several["skipped"], one["skipped"]);
@@ -43,6 +43,21 @@ TEST_F(FaultsOnRanks, NamesAPoseThatIsFixedButNotThere) {
   const std::string sentence = "fixed.g2o: pose 99 is fixed, but the log has no such pose (features cannot be fixed)\n";
   EXPECT_THAT(call({"run", path("fixed.g2o")}).err, HasSubstr(sentence));
   for (const int ranks : {1, 2}) EXPECT_THAT(call_ranks(ranks, {"run", path("fixed.g2o")}).err, HasSubstr(sentence));
+}
+
+TEST_F(FaultsOnRanks, NamesTheLineThatFixesWhatIsUndeclaredOrLeavesItOut) {
+  const std::string log = path("fixed.g2o");
+  ASSERT_EQ(call({"run", bundled("manhattan2d.g2o"), "-o", path("map.g2o"), "--no-verdict"}).exit_code, 0);
+  const std::string map = content_of(path("map.g2o"));
+  std::ofstream(log) << map << "FIX 0 5000\n";
+  const std::string place = fmt::format("fixed.g2o:{}:1: ", count_of(map, "\n") + 1);
+  const auto one = report_of({"run", log, "--skip-undeclared", "--no-verdict"});
+  EXPECT_EQ(one["skipped"]["fixed vertices that are undeclared"], 1);
+  for (const int ranks : {1, 2}) {
+    EXPECT_THAT(call_ranks(ranks, {"run", log}).err,
+                HasSubstr(place + "the file declares vertices, but not pose 5000; --skip-undeclared leaves such lines out\n"));
+    EXPECT_EQ(report_of_ranks(ranks, {"run", log, "--skip-undeclared"})["skipped"], one["skipped"]);
+  }
 }
 
 TEST_F(FaultsOnRanks, SaysWhatIsFreeToMoveAsOneProcessDoes) {

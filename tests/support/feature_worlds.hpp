@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/association/frames/feature_map.hpp>
-#include <mapjoin/join/association/neighbour_density.hpp>
-#include <mapjoin/join/association/sighting_chance.hpp>
+#include <mapjoin/join/association/matching/neighbour_density.hpp>
+#include <mapjoin/join/association/matching/sighting_chance.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <utility>
 #include <vector>

@@ -5,7 +5,7 @@
 
 #include <mapjoin/join/association/frames/feature_map.hpp>
 #include <mapjoin/join/association/frames/map_alignment.hpp>
-#include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/join/association/matching/point_tree.hpp>
 #include <optional>
 #include <vector>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/association/frames/feature_map.hpp>
-#include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/join/association/matching/point_tree.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 

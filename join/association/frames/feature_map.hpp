@@ -8,7 +8,7 @@
 #include <cmath>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/join/association/feature_estimate.hpp>
-#include <mapjoin/join/association/hypothesis.hpp>
+#include <mapjoin/join/association/matching/hypothesis.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -43,7 +43,7 @@ Expected<FeatureMap<Dim>> feature_map_of(const FeatureEstimate<Dim>& estimate, c
   const std::vector<PoseOrFeature> all(features.begin(), features.end());
   return estimate.covariances->joint(all).map([&](const Eigen::MatrixXd& covariance) {
     FeatureMap<Dim> map{{}, estimate.scale * covariance, {}};
-    for (const FeatureIndex f : features) map.features.push_back(estimate.covariances->state().features[f]);
+    for (const FeatureIndex f : features) map.features.push_back(estimate.position(f));
     return map;
   });
 }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <mapjoin/join/association/frames/feature_map.hpp>
-#include <mapjoin/join/association/neighbour_density.hpp>
-#include <mapjoin/join/association/sighting_chance.hpp>
+#include <mapjoin/join/association/matching/neighbour_density.hpp>
+#include <mapjoin/join/association/matching/sighting_chance.hpp>
 #include <vector>
 
 namespace mapjoin {

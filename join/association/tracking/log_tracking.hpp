@@ -3,7 +3,7 @@
 // Tracking over a whole log, which learns on the way how densely features stand and how surely they are seen.
 
 #include <mapjoin/join/association/associate.hpp>
-#include <mapjoin/join/association/neighbour_density.hpp>
+#include <mapjoin/join/association/matching/neighbour_density.hpp>
 #include <mapjoin/join/association/tracking/tracking.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/log.hpp>

@@ -2,7 +2,7 @@
 #pragma once
 // The density of the features that poses and local maps see, and the noise of these sightings.
 
-#include <mapjoin/join/association/neighbour_density.hpp>
+#include <mapjoin/join/association/matching/neighbour_density.hpp>
 #include <mapjoin/model/factor.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <span>

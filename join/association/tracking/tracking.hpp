@@ -2,8 +2,8 @@
 #pragma once
 // Tracking of observations from pose to pose, to find those of the same feature within a segment.
 
-#include <mapjoin/join/association/matching.hpp>
-#include <mapjoin/join/association/sighting_chance.hpp>
+#include <mapjoin/join/association/matching/matching.hpp>
+#include <mapjoin/join/association/matching/sighting_chance.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <vector>
 

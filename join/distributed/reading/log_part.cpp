@@ -64,34 +64,48 @@ Expected<std::vector<std::uint64_t>> declared_by_all(const Communicator& comm, c
 
 /// Leaves out the edges of this rank to what no vertex declares, and counts them; takes such names out of `names`.
 template <int Dim>
-void leave_out_undeclared(const Declared& declared, Log<Dim>& log, LogPart<Dim>& names) {
+void leave_out_undeclared_edges(const Declared& declared, Log<Dim>& log, LogPart<Dim>& names) {
   const auto has_pose = [&](PoseIndex pose) { return pose == kWorld || declared.has_pose(log.poses[pose].key); };
   const auto has_feature = [&](FeatureIndex feature) { return declared.has_feature(log.features[feature].key); };
   const std::size_t count =
       std::erase_if(log.graph.pose_factors, [&](const auto& o) { return !has_pose(o.base) || !has_pose(o.target); }) +
       std::erase_if(log.graph.feature_factors, [&](const auto& o) { return !has_pose(o.base) || !has_feature(o.target); });
-  if (count > 0) log.skipped["edges to undeclared vertices"] += static_cast<std::int64_t>(count);
+  if (count > 0) log.skipped[std::string(kEdgesToUndeclared)] += static_cast<std::int64_t>(count);
   std::erase_if(names.poses, [&](const PoseId& id) { return !declared.has_pose(id.key); });
   std::erase_if(names.features, [&](const FeatureId& id) { return !declared.has_feature(id.key); });
+}
+
+bool is_undeclared(std::uint64_t fixed, const Declared& declared) {
+  return !declared.has_pose(fixed) && !declared.has_feature(fixed);
+}
+
+/// Leaves out the fixed poses that no vertex declares; the first rank counts them.
+template <int Dim>
+void leave_out_undeclared_fixed(const Communicator& comm, const Declared& declared, Log<Dim>& log,
+                                std::vector<std::uint64_t>& fixed) {
+  const std::size_t count = std::erase_if(fixed, [&](std::uint64_t key) { return is_undeclared(key, declared); });
+  if (count > 0 && comm.rank() == 0) log.skipped[std::string(kFixedUndeclared)] += static_cast<std::int64_t>(count);
 }
 
 /// kBadInput, with the place of the first line of this rank that names what no vertex declares, if there is one among `names`.
 template <int Dim>
 Expected<void> check_declared(const TextPart& part, const Declared& declared, const LogPart<Dim>& names) {
   const bool are_declared = std::ranges::all_of(names.poses, declared.has_pose, &PoseId::key) &&
-                            std::ranges::all_of(names.features, declared.has_feature, &FeatureId::key);
+                            std::ranges::all_of(names.features, declared.has_feature, &FeatureId::key) &&
+                            std::ranges::none_of(part.fixed, [&](std::uint64_t key) { return is_undeclared(key, declared); });
   if (are_declared) return {};
   const TextScanner text(names.source, part.text, part.lines_before);
-  const UndeclaredName missing = first_undeclared_in_g2o<Dim>(text, declared).value();
+  const auto missing = first_undeclared_in_g2o<Dim>(text, declared);
+  if (!missing) return {};  // a FIX line of another rank names it
   return text.error(
-      missing.place,
-      fmt::format("the file declares vertices, but not {}; --skip-undeclared leaves such edges out", missing.name));
+      missing->place,
+      fmt::format("the file declares vertices, but not {}; --skip-undeclared leaves such lines out", missing->name));
 }
 
-/// Settles what the edges of this rank, whose names are given, say of undeclared poses and features in a file with vertices: as
+/// Settles what the lines of this rank, whose names are given, say of undeclared poses and features in a file with vertices: as
 /// for a reader of the whole file. kBadInput, the same on all ranks.
 template <int Dim>
-Expected<void> settle_undeclared(const Communicator& comm, const TextPart& part, Undeclared undeclared, Log<Dim>& log,
+Expected<void> settle_undeclared(const Communicator& comm, TextPart& part, Undeclared undeclared, Log<Dim>& log,
                                  LogPart<Dim>& names) {
   const auto poses = declared_by_all<PoseId>(comm, names.source, part.declared_poses);
   if (!poses) return tl::unexpected(poses.error());
@@ -100,7 +114,8 @@ Expected<void> settle_undeclared(const Communicator& comm, const TextPart& part,
   const Declared declared{[&](std::uint64_t key) { return std::ranges::binary_search(*poses, key); },
                           [&](std::uint64_t key) { return std::ranges::binary_search(*features, key); }};
   if (undeclared == Undeclared::kRefused) return comm.agree(check_declared(part, declared, names));
-  leave_out_undeclared(declared, log, names);
+  leave_out_undeclared_edges(declared, log, names);
+  leave_out_undeclared_fixed(comm, declared, log, part.fixed);
   return {};
 }
 
@@ -162,7 +177,7 @@ std::vector<std::uint64_t> poses_to_fix(const Communicator& comm, const TextPart
 }
 
 template <int Dim>
-Expected<AnyLogPart> log_part(const Communicator& comm, const TextPart& part, Log<Dim> log, const std::string& file,
+Expected<AnyLogPart> log_part(const Communicator& comm, TextPart& part, Log<Dim> log, const std::string& file,
                               const ReadOptions& options) {
   LogPart<Dim> whole{file, log.conventions, {}, log.poses, log.features, {}};
   whole.conventions.repairs = repairs_by_all(comm, log.conventions.repairs);

@@ -42,11 +42,14 @@ class EdgeTextReader {
     }
     builder_.add_repairs({.missing = context_.unweighed});
     const bool has_vertices = context_.is_whole && poses_.size() + features_.size() > 0;
+    if (has_vertices && context_.options.undeclared != Undeclared::kSkipped && fixes_undeclared()) {
+      return tl::unexpected(first_undeclared());
+    }
     LeftOut<Dim> undeclared;
     if (has_vertices && context_.options.undeclared != Undeclared::kRefused) undeclared = builder_.take_undeclared();
     if (context_.options.undeclared == Undeclared::kForeign && undeclared.others > 0) return tl::unexpected(first_undeclared());
-    if (context_.options.undeclared == Undeclared::kSkipped && undeclared.count() > 0) {
-      builder_.add_skipped("edges to undeclared vertices", undeclared.count());
+    if (context_.options.undeclared == Undeclared::kSkipped) {
+      count_skipped(undeclared);
       undeclared.edges.clear();
     }
     return std::move(builder_).finish().and_then([&](Log<Dim>&& log) -> Expected<Log<Dim>> {
@@ -113,6 +116,17 @@ class EdgeTextReader {
     return begin_.error(twice->place,
                         fmt::format("{} {} is declared a second time; two logs in one file are to be given as two files", what,
                                     key_text(twice->key)));
+  }
+
+  /// True if a FIX line names what no vertex declares.
+  bool fixes_undeclared() const {
+    return std::ranges::any_of(builder_.fixed_poses(),
+                               [&](const PoseId& id) { return !poses_.contains(id.key) && !features_.contains(id.key); });
+  }
+
+  void count_skipped(const LeftOut<Dim>& undeclared) {
+    if (undeclared.factor_count() > 0) builder_.add_skipped(kEdgesToUndeclared, undeclared.factor_count());
+    if (undeclared.fixed_poses > 0) builder_.add_skipped(kFixedUndeclared, undeclared.fixed_poses);
   }
 
   /// The error of the first line that names an id neither declared by a vertex nor foreign, found in a second pass over the

@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/io/formats/undeclared.hpp>
+#include <mapjoin/io/g2o/fields.hpp>
 
 namespace mapjoin {
 namespace {
+
+/// The first pose on the rest of a line that no vertex declares, as a feature neither; nullopt if none.
+std::optional<std::string> undeclared_among(TextScanner& text, const Declared& declared) {
+  while (!text.at_end_of_line()) {
+    const std::uint64_t key = text.key();
+    if (!declared.has_pose(key) && !declared.has_feature(key)) return to_string(PoseId{0, key});
+  }
+  return std::nullopt;
+}
 
 /// The pose or feature that a line of this tag names and no vertex declares; nullopt if none.
 template <int Dim>
 std::optional<std::string> undeclared_in(std::string_view tag, TextScanner& text, const EdgeText<Dim>& format,
                                          const Declared& declared) {
+  if (format.has_g2o_lines && tag == kG2oFix) return undeclared_among(text, declared);
   const PriorTag* prior = format.prior(tag);
   const bool is_edge = tag == format.edge_tag;
   if (!is_edge && !prior && tag != format.observation_tag) return std::nullopt;

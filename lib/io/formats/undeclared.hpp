@@ -7,8 +7,13 @@
 #include <mapjoin/io/formats/edge_text.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace mapjoin {
+
+/// Names in a log's counts of what was left out.
+inline constexpr std::string_view kEdgesToUndeclared = "edges to undeclared vertices";
+inline constexpr std::string_view kFixedUndeclared = "fixed vertices that are undeclared";
 
 /// The ids that vertices declare.
 struct Declared {

@@ -72,6 +72,18 @@ TEST(WildG2o, LeavesOutWhatNamesUndeclaredVerticesIfAsked) {
   EXPECT_EQ(log.skipped, (SkipCounts{{"edges to undeclared vertices", 3}}));
 }
 
+TEST(WildG2o, LeavesOutFixedPosesThatAreUndeclaredIfAsked) {
+  const std::string text = kVertices + kEdge + "FIX 1 9\nFIX 9\n";
+  EXPECT_THAT(wild_error(text), HasSubstr("some.g2o:4:1: the file declares vertices, but not pose 9; give the file that does"));
+  EXPECT_THAT(wild_error(text, {.undeclared = Undeclared::kForeign}), HasSubstr("some.g2o:4:1: "));
+  const auto log = read_wild(text, {.undeclared = Undeclared::kSkipped});
+  ASSERT_THAT(log.graph.fixed, SizeIs(1));
+  EXPECT_EQ(log.graph.fixed.front().pose, PoseIndex(1));
+  EXPECT_EQ(log.skipped, (SkipCounts{{"fixed vertices that are undeclared", 1}}));
+  EXPECT_THAT(wild_error("VERTEX_XY 5 1 1\n" + text.substr(0, text.find("FIX")) + "FIX 5\n"),
+              HasSubstr("pose 5 is fixed, but the log has no such pose (features cannot be fixed)"));
+}
+
 TEST(WildG2o, KeepsEdgesToPosesOfOtherFilesApart) {
   const std::string text = kVertices + kEdge + "EDGE_SE2 1 7 3 0 0 1 0 0 1 0 1\n";
   const auto log = read_wild(text, {.undeclared = Undeclared::kForeign});

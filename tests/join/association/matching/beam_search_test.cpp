@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/association/beam_search.hpp>
+#include <mapjoin/join/association/matching/beam_search.hpp>
 #include <numeric>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>

@@ -3,7 +3,7 @@
 // Matching of sightings with known features: joint compatibility (Neira and Tardós, 2001), or nearest neighbours.
 
 #include <cstdint>
-#include <mapjoin/join/association/hypothesis.hpp>
+#include <mapjoin/join/association/matching/hypothesis.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <optional>
 #include <vector>

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <mapjoin/join/association/matching.hpp>
+#include <mapjoin/join/association/matching/matching.hpp>
 #include <numbers>
 #include <numeric>
 #include <tests/support/random.hpp>

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/join/association/matching/point_tree.hpp>
 #include <numeric>
 #include <span>
 #include <tests/support/dimensions.hpp>

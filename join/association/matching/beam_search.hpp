@@ -2,7 +2,7 @@
 #pragma once
 // The search for the best hypothesis of a matching problem.
 
-#include <mapjoin/join/association/hypothesis.hpp>
+#include <mapjoin/join/association/matching/hypothesis.hpp>
 #include <span>
 #include <vector>
 

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
-#include <mapjoin/join/association/hypothesis.hpp>
+#include <mapjoin/join/association/matching/hypothesis.hpp>
 #include <numbers>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mapjoin/join/association/hypothesis.hpp>
+#include <mapjoin/join/association/matching/hypothesis.hpp>
 #include <numbers>
 #include <numeric>
 

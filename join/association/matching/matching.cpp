@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <mapjoin/join/association/beam_search.hpp>
-#include <mapjoin/join/association/matching.hpp>
-#include <mapjoin/join/association/overlooked.hpp>
-#include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/join/association/matching/beam_search.hpp>
+#include <mapjoin/join/association/matching/matching.hpp>
+#include <mapjoin/join/association/matching/point_tree.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -25,6 +25,63 @@ std::vector<Point<Dim>> shifts_between(const std::vector<Point<Dim>>& points) {
     for (const auto& to : points) shifts.push_back(to - from);
   }
   return shifts;
+}
+
+/// The distance of the nearest of some points (m); infinite if there are none.
+template <int Dim>
+double distance_of_nearest(const Point<Dim>& from, const std::vector<Point<Dim>>& points) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& point : points) least = std::min(least, (point - from).norm());
+  return least;
+}
+
+/// The difference of the pairing whose place in its map, as `place_of` gives it, is nearest to a point (m).
+template <int Dim, typename PlaceOf>
+Point<Dim> nearest_difference(const Point<Dim>& point, const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement,
+                              const PlaceOf& place_of) {
+  const auto distance = [&](const Pairing& pairing) { return (place_of(pairing) - point).squaredNorm(); };
+  return problem.difference(*std::ranges::min_element(placement.pairings(), {}, distance));
+}
+
+/// The features of each map without partner: those that can have none, and those for which no choice fits the placement.
+template <int Dim>
+std::array<std::vector<Point<Dim>>, 2> without_partner(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement,
+                                                       const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) {
+  std::array<std::vector<Point<Dim>>, 2> alone{problem.maps[0].unpaired, problem.maps[1].unpaired};
+  std::vector<bool> has_partner(problem.known.size(), false);
+  for (std::size_t s = 0; s < problem.sightings.size(); ++s) {
+    const auto own = placement.known_of(s);
+    bool is_explained = own.has_value();
+    if (own) has_partner[*own] = true;
+    for (const std::size_t k : problem.choices[s]) {
+      if (own || !placement.extension({k, s}, density, gates)) continue;
+      is_explained = has_partner[k] = true;
+    }
+    if (!is_explained) alone[1].push_back(problem.sightings[s]);
+  }
+  for (std::size_t k = 0; k < problem.known.size(); ++k) {
+    if (!has_partner[k]) alone[0].push_back(problem.known[k]);
+  }
+  return alone;
+}
+
+/// The logarithm of the chance that, where a placement lays two maps on each other, each overlooked all features of the other
+/// for which it has none that fits; 0 if the chance of a sighting is not known, or nothing is paired.
+template <int Dim>
+double log_overlooked(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement,
+                      const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) {
+  if (!problem.map_sees || placement.pairings().empty()) return 0.0;
+  const auto alone = without_partner(problem, placement, density, gates);
+  const auto overlooked = [&](const Point<Dim>& point, const MapFeatures<Dim>& by) {
+    return problem.map_sees->log_overlooked(distance_of_nearest<Dim>(point, by.all), 0.0);
+  };
+  const auto known = [&](const Pairing& pairing) -> const Point<Dim>& { return problem.known[pairing.known]; };
+  const auto sighting = [&](const Pairing& pairing) -> const Point<Dim>& { return problem.sightings[pairing.sighting]; };
+  double sum = 0.0;
+  for (const auto& p : alone[0]) sum += overlooked(p - nearest_difference<Dim>(p, problem, placement, known), problem.maps[1]);
+  for (const auto& p : alone[1])
+    sum += overlooked(p + nearest_difference<Dim>(p, problem, placement, sighting), problem.maps[0]);
+  return sum;
 }
 
 }  // namespace

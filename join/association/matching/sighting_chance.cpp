@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/join/association/sighting_chance.hpp>
+#include <mapjoin/join/association/matching/sighting_chance.hpp>
 
 namespace mapjoin {
 namespace {

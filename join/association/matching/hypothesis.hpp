@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
-#include <mapjoin/join/association/neighbour_density.hpp>
-#include <mapjoin/join/association/sighting_chance.hpp>
+#include <mapjoin/join/association/matching/neighbour_density.hpp>
+#include <mapjoin/join/association/matching/sighting_chance.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <optional>
 #include <vector>

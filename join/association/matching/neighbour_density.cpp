@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mapjoin/join/association/neighbour_density.hpp>
+#include <mapjoin/join/association/matching/neighbour_density.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <numbers>
 

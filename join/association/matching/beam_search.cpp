@@ -2,7 +2,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <functional>
-#include <mapjoin/join/association/beam_search.hpp>
+#include <mapjoin/join/association/matching/beam_search.hpp>
 #include <memory>
 #include <optional>
 #include <unordered_map>

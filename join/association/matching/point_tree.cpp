@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdint>
-#include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/join/association/matching/point_tree.hpp>
 #include <nanoflann.hpp>
 
 namespace mapjoin {
