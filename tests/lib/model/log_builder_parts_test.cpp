@@ -66,7 +66,7 @@ TYPED_TEST(LogBuilderPartsTest, TakesWhatIsUndeclaredOutWithItsTimeStamps) {
   this->edge({0, 1}, {0, 2}, 6);
   for (std::int64_t pose = 0; pose < 3; ++pose) this->builder.add_stamp({0, static_cast<std::uint64_t>(pose)}, 100 + pose);
   const LeftOut<kDim> out = this->builder.take_undeclared();
-  ASSERT_EQ(out.count(), 1);
+  ASSERT_EQ(out.factor_count(), 1);
   EXPECT_EQ(out.edges.front().base, (PoseId{0, 0}));
   const auto log = this->finish();
   ASSERT_TRUE(log) << log.error().message;
