@@ -15,6 +15,7 @@
 #include <mapjoin/io/formats/mat_log.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/local_maps/local_map_file.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <optional>
 #include <set>
@@ -157,6 +158,10 @@ std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std
         fmt::format("{} {} is what {} is until it is done: give it another name", name, path.string(), output));
   }
   return violations;
+}
+
+std::vector<std::string> unfinished_store_conflicts(const NamedFiles& files, const std::string& output, const fs::path& store) {
+  return unfinished_conflicts(files, output, unfinished_store(store));
 }
 
 std::vector<std::string> conflicts_with_run(const NamedFiles& files, const fs::path& folder, bool parts) {

@@ -44,6 +44,9 @@ std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedF
 /// Violations, in words: a file at the place of an unfinished output, below it, or its journal.
 std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std::string& output,
                                               const std::filesystem::path& unfinished);
+/// Violations, in words: a file in the place of a store, named `output`, until it is done.
+std::vector<std::string> unfinished_store_conflicts(const NamedFiles& files, const std::string& output,
+                                                    const std::filesystem::path& store);
 /// Violations, in words: a file that a run may replace or remove in its folder or, if that has several `parts`, in the folder
 /// of a part; there also one in the place of an unfinished file. Of several files of one name and folder the first is told.
 std::vector<std::string> conflicts_with_run(const NamedFiles& files, const std::filesystem::path& folder, bool parts);
