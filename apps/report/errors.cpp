@@ -49,15 +49,6 @@ PosePairs pairs_of(const Matched<Dim>& both, double span, const ErrorOptions& op
   return pairs;
 }
 
-template <int Dim>
-ErrorSummary feature_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth, const Pose<Dim>& alignment) {
-  std::vector<double> errors;
-  for (const FeatureIndex f : indices(map.features)) {
-    if (truth.features[f]) errors.push_back((transform(alignment, map.features[f]) - *truth.features[f]).norm());
-  }
-  return summary_of(errors);
-}
-
 std::string in_words(const ErrorSummary& errors, double scale, std::string_view unit) {
   return fmt::format("rms {:.4g}, mean {:.4g}, median {:.4g}, sd {:.4g}, min {:.4g}, max {:.4g} {}", scale * errors.rms,
                      scale * errors.mean, scale * errors.median, scale * errors.deviation, scale * errors.min,
@@ -67,7 +58,19 @@ std::string in_words(const ErrorSummary& errors, double scale, std::string_view 
 void add_pose_errors(std::string_view name, const std::string& what, const PoseErrorSummary& errors, Lines& lines) {
   if (errors.translation.count == 0) return lines.add(name, what + ": none");
   lines.add(name, fmt::format("{}: {}", what, in_words(errors.translation, 1.0, "m")));
-  lines.add("", in_words(errors.rotation, 180.0 / std::numbers::pi, "deg"));
+  if (errors.rotation.count > 0) lines.add("", in_words(errors.rotation, 180.0 / std::numbers::pi, "deg"));
+}
+
+std::string_view alignment_in_words(const TruthErrors& errors) {
+  switch (errors.options.alignment) {
+    case TrajectoryAlignment::kRigid:
+      return errors.absolute.aligned_by == AlignedBy::kFeatures ? "aligned as a whole, with features" : "aligned as a whole";
+    case TrajectoryAlignment::kOrigin:
+      return "aligned at the first pose";
+    case TrajectoryAlignment::kNone:
+      break;
+  }
+  return "not aligned";
 }
 
 }  // namespace
@@ -76,9 +79,8 @@ template <int Dim>
 TruthErrors errors_of(const GlobalMap<Dim>& map, const TruthFile& file, const ErrorOptions& options) {
   const Truth<Dim> truth = file.of(map);
   const Matched<Dim> both = matched(map, truth);
-  if (both.estimate.empty()) return {options, map.poses.size(), {}, {}, {}, {}};
-  const auto absolute = absolute_trajectory_error(both.estimate, both.truth, options.alignment);
-  TruthErrors errors{options, map.poses.size(), absolute.errors, feature_errors(map, truth, absolute.alignment), {}, {}};
+  TruthErrors errors{options, map.poses.size(), absolute_errors(map, truth, options.alignment), {}, {}};
+  if (both.estimate.empty()) return errors;
   for (const double span : options.spans) {
     errors.spans.push_back(relative_pose_error(both.estimate, both.truth, pairs_of(both, span, options)));
   }
@@ -94,8 +96,8 @@ Json json_of(const std::optional<TruthErrors>& errors) {
   if (!errors) return nullptr;
   Json json = {{"alignment", errors->options.alignment},
                {"poses", errors->poses},
-               {"ate", errors->absolute},
-               {"features", errors->features},
+               {"ate", errors->absolute.poses},
+               {"features", errors->absolute.features},
                {"unit", errors->options.unit},
                {"pairs", errors->options.pairs},
                {"rpe", Json::array()}};
@@ -108,15 +110,14 @@ Json json_of(const std::optional<TruthErrors>& errors) {
 }
 
 void add_errors(const TruthErrors& errors, Lines& lines) {
-  const std::string_view aligned = errors.options.alignment == TrajectoryAlignment::kRigid    ? "aligned as a whole"
-                                   : errors.options.alignment == TrajectoryAlignment::kOrigin ? "aligned at the first pose"
-                                                                                              : "not aligned";
-  if (errors.absolute.translation.count == 0) return;
-  add_pose_errors("ATE", fmt::format("{} of {} poses, {}", errors.absolute.translation.count, errors.poses, aligned),
-                  errors.absolute, lines);
-  if (errors.features.count > 0) {
-    lines.add("features", fmt::format("{}: {}", errors.features.count, in_words(errors.features, 1.0, "m")));
+  const auto& [poses, features, aligned_by] = errors.absolute;
+  if (poses.translation.count == 0) return;
+  add_pose_errors("ATE", fmt::format("{} of {} poses, {}", poses.translation.count, errors.poses, alignment_in_words(errors)),
+                  poses, lines);
+  if (aligned_by == AlignedBy::kTooLittle) {
+    lines.add("", "rotations and features unknown: positions that leave a rotation free do not align them");
   }
+  if (features.count > 0) lines.add("features", fmt::format("{}: {}", features.count, in_words(features, 1.0, "m")));
   for (std::size_t k = 0; k < errors.spans.size(); ++k) {
     const double span = errors.options.spans[k];
     const std::string unit = errors.options.unit == SpanUnit::kMetres ? "m" : span == 1.0 ? "step" : "steps";

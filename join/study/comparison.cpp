@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/comparison.hpp>
+#include <mapjoin/join/study/truth_errors.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <stdexcept>
 #include <utility>
@@ -108,8 +109,7 @@ void measure(const GlobalMap<Dim>& map, const GlobalMap<Dim>& best, const std::v
   figures.best_spans = span_errors(map.poses, best.poses, spans);
   if (!truth) return;
   const auto [known, true_poses] = known_poses(map.poses, *truth);
-  figures.from_truth =
-      TruthDistance{absolute_trajectory_error(known, true_poses).errors, span_errors(known, true_poses, spans)};
+  figures.from_truth = TruthDistance{absolute_errors(map, *truth).poses, span_errors(known, true_poses, spans)};
 }
 
 }  // namespace
