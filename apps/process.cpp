@@ -131,4 +131,11 @@ Interruption::Interruption() {
   }).detach();
 }
 
+void wait_despite_stop() {
+  sigset_t waking;
+  ::sigemptyset(&waking);
+  ::sigaddset(&waking, kWakes);
+  ::pthread_sigmask(SIG_BLOCK, &waking, nullptr);
+}
+
 }  // namespace mapjoin::apps

@@ -37,4 +37,8 @@ class Interruption {
   std::stop_source source_;
 };
 
+/// Lets the calling thread, the main one, wait in reads and writes from now on though a stop is requested: for work that a stop
+/// does not end. A second signal still ends the process.
+void wait_despite_stop();
+
 }  // namespace mapjoin::apps

@@ -4,6 +4,7 @@
 
 #include <apps/commands/follow.hpp>
 #include <apps/console.hpp>
+#include <apps/process.hpp>
 #include <apps/report/json.hpp>
 #include <cerrno>
 #include <chrono>
@@ -278,7 +279,9 @@ std::vector<std::string> check_following(const Subcommand& command, const Option
 }
 
 FollowedLog follow(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
-  return Follower(options, following.steps).follow(following.idle_seconds, stop);
+  Follower follower(options, following.steps);
+  wait_despite_stop();  // A stop ends the following only: steps and the map are written to their end.
+  return follower.follow(following.idle_seconds, stop);
 }
 
 }  // namespace mapjoin::apps
