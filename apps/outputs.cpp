@@ -75,12 +75,6 @@ bool is_of_run(const fs::path& file, const std::vector<fs::path>& folders) {
   return is_file_of_run(file.filename()) && std::ranges::find(folders, destination(file.parent_path() / ".")) != folders.end();
 }
 
-/// True if the path exists and is neither a file nor a folder.
-bool is_special(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored);
-}
-
 }  // namespace
 
 NamedFiles inputs_of(const Options& options, const std::string& argument) {
@@ -109,8 +103,8 @@ NamedFiles outputs_of_map(const Options& options) {
   if (options.output.empty()) return files;
   const std::vector<fs::path> written = map_files(options.output);
   for (auto beside = written.begin() + 1; beside != written.end(); ++beside) files.emplace_back("--output", *beside);
-  for (const ExtraFile& file : extra_files(options)) {
-    if (file.beside) files.emplace_back(file.option, extra_file(file.extra, options.output));
+  for (const ExtraFile& file : files_beside(options)) {
+    files.emplace_back(file.option, extra_file(file.extra, options.output));
   }
   return files;
 }
@@ -183,7 +177,7 @@ std::vector<std::string> conflicts_with_run(const NamedFiles& files, const fs::p
 void check_writable(const NamedFiles& files) {
   std::error_code ignored;
   for (const auto& [name, path] : files) {
-    if (path.empty() || is_special(path)) continue;
+    if (path.empty() || is_stream(path)) continue;
     if (fs::is_directory(path, ignored)) demand(call_failed(path, EISDIR, ErrorKind::kCannotWrite));
     OutputFile::create(path).value();
   }
@@ -197,12 +191,12 @@ bool names_map_file(const fs::path& path) {
   const std::string extension = extension_of(path);
   std::error_code ignored;
   const bool is_map = extension == ".g2o" || extension == ".tum" || extension == ".csv" || extension == ".mat";
-  return is_special(path) || is_stdout(path) || (is_map && !fs::is_directory(path, ignored));
+  return is_stream(path) || (is_map && !fs::is_directory(path, ignored));
 }
 
 bool goes_by_extension(const fs::path& path) {
   std::error_code ignored;
-  return path.has_extension() && !is_special(path) && !fs::is_directory(path, ignored);
+  return path.has_extension() && !is_stream(path) && !fs::is_directory(path, ignored);
 }
 
 std::vector<std::string> demand_extension(const fs::path& path) {
