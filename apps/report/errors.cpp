@@ -7,44 +7,28 @@
 namespace mapjoin::apps {
 namespace {
 
-/// The poses that estimate and truth both have, in the order of the map.
-template <int Dim>
-struct Matched {
-  std::vector<Pose<Dim>> estimate;
-  std::vector<Pose<Dim>> truth;
-  std::vector<std::size_t> session_begins;          ///< First pose of each session.
-  Table<PoseIndex, std::optional<std::size_t>> at;  ///< Place here of each pose of the map.
-};
-
-template <int Dim>
-Matched<Dim> matched(const GlobalMap<Dim>& map, const Truth<Dim>& truth) {
-  Matched<Dim> both;
-  both.at.resize(map.poses.size());
-  std::optional<std::uint32_t> session;
-  for (const PoseIndex p : indices(map.poses)) {
-    if (!truth.poses[p]) continue;
-    if (session != map.pose_ids[p].session) both.session_begins.push_back(both.estimate.size());
-    session = map.pose_ids[p].session;
-    both.at[p] = both.estimate.size();
-    both.estimate.push_back(map.poses[p]);
-    both.truth.push_back(*truth.poses[p]);
+/// The position of the first pose of each session, and the number of poses.
+std::vector<std::size_t> session_bounds(const PoseIds& poses) {
+  std::vector<std::size_t> bounds;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (p == 0 || poses[PoseIndex(p)].session != poses[PoseIndex(p - 1)].session) bounds.push_back(p);
   }
-  return both;
+  bounds.push_back(poses.size());
+  return bounds;
 }
 
-/// Pairs of poses a span apart, within sessions; the path is that of the estimate, as evo takes it.
+/// Pairs of poses of the map a span apart, within sessions; the path is that of the map, as evo takes it.
 template <int Dim>
-PosePairs pairs_of(const Matched<Dim>& both, double span, const ErrorOptions& options) {
+PosePairs pairs_of(const GlobalMap<Dim>& map, double span, const ErrorOptions& options) {
   PosePairs pairs;
-  for (std::size_t s = 0; s < both.session_begins.size(); ++s) {
-    const std::size_t begin = both.session_begins[s];
-    const std::size_t end = s + 1 < both.session_begins.size() ? both.session_begins[s + 1] : both.estimate.size();
-    const std::vector<Pose<Dim>> session(both.estimate.begin() + static_cast<std::ptrdiff_t>(begin),
-                                         both.estimate.begin() + static_cast<std::ptrdiff_t>(end));
+  const std::vector<std::size_t> bounds = session_bounds(map.pose_ids);
+  for (std::size_t s = 0; s + 1 < bounds.size(); ++s) {
+    const std::vector<Pose<Dim>> session(map.poses.begin() + static_cast<std::ptrdiff_t>(bounds[s]),
+                                         map.poses.begin() + static_cast<std::ptrdiff_t>(bounds[s + 1]));
     const PosePairs here = options.unit == SpanUnit::kMetres
                                ? pairs_by_path(session, span, options.pairs)
                                : pairs_by_steps(session.size(), static_cast<std::size_t>(span), options.pairs);
-    for (const auto& [i, j] : here) pairs.emplace_back(begin + i, begin + j);
+    for (const auto& [i, j] : here) pairs.emplace_back(bounds[s] + i, bounds[s] + j);
   }
   return pairs;
 }
@@ -78,17 +62,12 @@ std::string_view alignment_in_words(const TruthErrors& errors) {
 template <int Dim>
 TruthErrors errors_of(const GlobalMap<Dim>& map, const TruthFile& file, const ErrorOptions& options) {
   const Truth<Dim> truth = file.of(map);
-  const Matched<Dim> both = matched(map, truth);
   TruthErrors errors{options, map.poses.size(), absolute_errors(map, truth, options.alignment), {}, {}};
-  if (both.estimate.empty()) return errors;
-  for (const double span : options.spans) {
-    errors.spans.push_back(relative_pose_error(both.estimate, both.truth, pairs_of(both, span, options)));
-  }
+  if (errors.absolute.poses.translation.count == 0) return errors;
+  for (const double span : options.spans) errors.spans.push_back(relative_errors(map, truth, pairs_of(map, span, options)));
   PosePairs relations;
-  for (const auto& [base, target] : file.relations(map.pose_ids)) {
-    if (both.at[base] && both.at[target]) relations.emplace_back(*both.at[base], *both.at[target]);
-  }
-  errors.relations = relative_pose_error(both.estimate, both.truth, relations);
+  for (const auto& [base, target] : file.relations(map.pose_ids)) relations.emplace_back(base.position(), target.position());
+  errors.relations = relative_errors(map, truth, relations);
   return errors;
 }
 

@@ -80,9 +80,19 @@ AbsoluteErrors absolute_errors(const GlobalMap<Dim>& map, const Truth<Dim>& trut
   return {pose_errors(poses, *motion), feature_errors(features, *motion), AlignedBy::kFeatures};
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                              \
-  template std::optional<Pose<Dim>> alignment_onto(const Truth<Dim>&, const GlobalMap<Dim>&); \
-  template AbsoluteErrors absolute_errors(const GlobalMap<Dim>&, const Truth<Dim>&, TrajectoryAlignment);
+template <int Dim>
+PoseErrorSummary relative_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth, PosePairs pairs) {
+  const auto is_known = [&](std::size_t p) { return truth.poses[PoseIndex(p)].has_value(); };
+  std::erase_if(pairs, [&](const auto& pair) { return !is_known(pair.first) || !is_known(pair.second); });
+  std::vector<Pose<Dim>> true_poses;
+  for (const auto& pose : truth.poses) true_poses.push_back(pose.value_or(Pose<Dim>{}));
+  return relative_pose_error(map.poses, true_poses, pairs);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                          \
+  template std::optional<Pose<Dim>> alignment_onto(const Truth<Dim>&, const GlobalMap<Dim>&);             \
+  template AbsoluteErrors absolute_errors(const GlobalMap<Dim>&, const Truth<Dim>&, TrajectoryAlignment); \
+  template PoseErrorSummary relative_errors(const GlobalMap<Dim>&, const Truth<Dim>&, PosePairs);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -33,4 +33,9 @@ template <int Dim>
 AbsoluteErrors absolute_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth,
                                TrajectoryAlignment alignment = TrajectoryAlignment::kRigid);
 
+/// The errors of the motions between pairs of poses of the map (relative_pose_error()), of the pairs both of whose poses the
+/// truth knows.
+template <int Dim>
+PoseErrorSummary relative_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth, PosePairs pairs);
+
 }  // namespace mapjoin

@@ -180,6 +180,22 @@ TEST_F(ErrorCommand, SpansStayWithinSessions) {
   EXPECT_EQ(errors({"error", two, two, "--spans", "1,2"})["rpe"][0]["translation"]["count"], 2);
 }
 
+TEST_F(ErrorCommand, SpansCountThePosesOfTheMapAlsoWhereTheTruthHasFew) {
+  const std::string run = "pose,x,y,phi\n0,0,0,0\n1,1.1,0,0\n2,2.2,0,0\n3,3.3,0,0\n4,4.4,0,0\n";
+  const std::string few = "pose,x,y,phi\n0,0,0,0\n2,2,0,0\n4,4,0,0\n";
+  const std::vector<std::string> words = {"error", folder.file("run.csv", run).string(), folder.file("few.csv", few).string()};
+  std::vector<std::string> by_metres = words;
+  by_metres.insert(by_metres.end(), {"--spans", "1.1,2.2", "--span-unit", "metres"});
+  std::vector<std::string> by_steps = words;
+  by_steps.insert(by_steps.end(), {"--spans", "1,2"});
+  for (const auto& asked : {by_steps, by_metres}) {
+    const auto rpe = errors(asked)["rpe"];
+    EXPECT_EQ(rpe[0]["translation"]["count"], 0);
+    EXPECT_EQ(rpe[1]["translation"]["count"], 2);
+    EXPECT_NEAR(rpe[1]["translation"]["max"], 0.2, 1e-12);
+  }
+}
+
 TEST_F(ErrorCommand, RunPrintsTheSame) {
   const std::string log = kBundledLog;
   const std::string known = kBundledTruth;

@@ -73,5 +73,20 @@ TYPED_TEST(TruthErrorsTest, PosesAloneAlignWhereTheyDetermineTheMotion) {
   EXPECT_EQ(absolute_errors(this->map, this->truth).aligned_by, AlignedBy::kPoses);
 }
 
+TYPED_TEST(TruthErrorsTest, SpansCountThePosesOfTheMap) {
+  constexpr int kDim = TypeParam::value;
+  GlobalMap<kDim> map;
+  Truth<kDim> truth;
+  for (int k = 0; k < 9; ++k) {
+    map.poses.push_back({1.1 * k * Point<kDim>::UnitX(), Rotation<kDim>()});
+    truth.poses.emplace_back();
+    if (k % 4 == 0) truth.poses.back() = Pose<kDim>{static_cast<double>(k) * Point<kDim>::UnitX(), Rotation<kDim>()};
+  }
+  const auto over = [&](std::size_t span) { return relative_errors(map, truth, pairs_by_steps(9, span)).translation; };
+  EXPECT_EQ(over(1).count, 0U);
+  EXPECT_EQ(over(4).count, 2U);
+  EXPECT_NEAR(over(4).max, 0.4, 1e-12);
+}
+
 }  // namespace
 }  // namespace mapjoin
