@@ -106,9 +106,11 @@ std::string lines_of(const Sheet& sheet, const Layer& layer) {
       for (std::size_t p = 0; p < lines[k].size(); ++p) {
         svg += fmt::format("{}{:.1f},{:.1f}", p == 0 ? "M" : " ", lines[k][p].x(), lines[k][p].y());
       }
+      if (lines[k].size() == 1) svg += "h0";  // with round ends a dot
     }
-    svg += fmt::format("\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\"{}/>\n", layer.colours[c],
-                       layer.width, dashes(layer));
+    svg += fmt::format(
+        "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"{}/>\n",
+        layer.colours[c], layer.width, dashes(layer));
   }
   return svg;
 }

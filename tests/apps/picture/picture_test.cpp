@@ -73,6 +73,12 @@ TEST(Picture, OfNothingIsOneMetre) {
   EXPECT_THAT(svg, HasSubstr("0.2 m</text>"));
 }
 
+TEST(Picture, APathOfOnePoseIsADot) {
+  const std::string svg = picture({line("one", "red", {{0.0, 0.0}}), line("far", "blue", {{-1.0, 0.0}, {1.0, 0.0}})}, 480.0);
+  EXPECT_THAT(svg, HasSubstr("<path d=\"M240.0,40.0h0\" fill=\"none\" stroke=\"red\""));
+  EXPECT_THAT(svg, HasSubstr("stroke-linecap=\"round\""));
+}
+
 TEST(Picture, AnEllipseIsWhereTheMahalanobisDistanceIsSoMany) {
   const Matrix<2> P = (Matrix<2>() << 4.0, -1.5, -1.5, 1.0).finished();
   const Ellipse e = ellipse({1.0, 2.0}, P, 3.0);
