@@ -75,6 +75,16 @@ bool is_of_run(const fs::path& file, const std::vector<fs::path>& folders) {
   return is_file_of_run(file.filename()) && std::ranges::find(folders, destination(file.parent_path() / ".")) != folders.end();
 }
 
+/// Violations, in words: outputs that go to standard output, where another one goes; none if all of it goes to nowhere.
+std::vector<std::string> stdout_conflicts(NamedFiles outputs) {
+  std::erase_if(outputs, [](const auto& output) { return !is_stdout(output.second); });
+  std::vector<std::string> violations;
+  for (std::size_t k = 1; k < outputs.size() && !is_stdout("/dev/null"); ++k) {
+    violations.push_back(fmt::format("{} and {} cannot both go to standard output", outputs.front().first, outputs[k].first));
+  }
+  return violations;
+}
+
 }  // namespace
 
 NamedFiles inputs_of(const Options& options, const std::string& argument) {
@@ -85,7 +95,7 @@ NamedFiles inputs_of(const Options& options, const std::string& argument) {
 }
 
 NamedFiles report_of(const Options& options) {
-  return {{"--report", options.report_on_stdout() ? fs::path() : options.report}};
+  return {{"--report", options.report}};
 }
 
 NamedFiles outputs_of(const Options& options) {
@@ -123,11 +133,12 @@ NamedFiles files_read(const NamedFiles& inputs) {
   return read;
 }
 
-std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs) {
+std::vector<std::string> output_conflicts(const NamedFiles& inputs, NamedFiles outputs) {
+  std::vector<std::string> violations = stdout_conflicts(outputs);
+  std::erase_if(outputs, [](const auto& output) { return output.second == "-"; });
   const NamedFiles read = files_read(inputs);
   NamedFiles all = inputs;
   append(all, outputs);
-  std::vector<std::string> violations;
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     const auto& [name, file] = *output;
     NamedFiles others = read;

@@ -23,7 +23,7 @@ using NamedFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 
 /// The inputs, the first under the name of its argument, and the files of --truth, --stamps and --gps.
 NamedFiles inputs_of(const Options& options, const std::string& argument);
-/// The report, unless it goes to standard output.
+/// The report.
 NamedFiles report_of(const Options& options);
 /// The output and the report.
 NamedFiles outputs_of(const Options& options);
@@ -38,9 +38,9 @@ NamedFiles outputs_of_folder(const Options& options, const std::vector<std::stri
 NamedFiles files_read(const NamedFiles& inputs);
 
 /// Violations, in words: an output that is, or would become, one file with an input, with a file that is read in an input
-/// folder, or with another output, by links or by name; and any file in the place of an unfinished output. Empty paths, and
-/// existing ones of no regular file, such as /dev/null, are one file with no other.
-std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs);
+/// folder, or with another output, by links or by name; any file in the place of an unfinished output; and several outputs on
+/// standard output. Empty paths, and existing ones of no regular file, such as /dev/null, are one file with no other.
+std::vector<std::string> output_conflicts(const NamedFiles& inputs, NamedFiles outputs);
 /// Violations, in words: a file at the place of an unfinished output, below it, or its journal.
 std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std::string& output,
                                               const std::filesystem::path& unfinished);

@@ -272,9 +272,6 @@ std::vector<std::string> check_following(const Subcommand& command, const Option
   if (following.wanted && options.association) {
     violations.emplace_back("--follow goes by the ids of features, which --associate ignores");
   }
-  if (is_stdout(following.steps) && options.report_on_stdout()) {
-    violations.emplace_back("--steps and --report cannot both go to standard output");
-  }
   return violations;
 }
 

@@ -189,7 +189,7 @@ std::vector<std::string> check_files(const Options& options, const FollowOptions
   const NamedFiles inputs = inputs_of(options, "LOG");
   const bool is_folder = !options.output.empty() && !names_map_file(options.output);
   NamedFiles outputs = is_folder ? outputs_of(options) : outputs_of_map(options);
-  if (!is_stdout(following.steps)) outputs.emplace_back("--steps", following.steps);
+  outputs.emplace_back("--steps", following.steps);
   std::vector<std::string> violations = output_conflicts(inputs, outputs);
   NamedFiles all = files_read(inputs);
   append(all, outputs);

@@ -32,6 +32,18 @@ TEST_F(Streams, NothingLiesBesideOne) {
   EXPECT_FALSE(fs::exists("/dev/stdout.rejected.csv") || fs::exists("/dev/null.covariances.json"));
 }
 
+TEST_F(Streams, StandardOutputHasOneOutputAtMost) {
+  expect_failure(call({"run", kBundledLog, "-o", "/dev/stdout", "--report", "-"}), 2,
+                 "--output and --report cannot both go to standard output");
+  expect_failure(call({"run", kBundledLog, "--follow", "--idle", "0", "-o", "/dev/stdout", "--steps", "-"}), 2,
+                 "--output and --steps cannot both go to standard output");
+  expect_failure(call({"simulate", "-o", "/dev/stdout", "--truth", "/dev/stdout"}), 2,
+                 "--output and --truth cannot both go to standard output");
+  ProcessOptions nowhere;
+  nowhere.standard_output = "/dev/null";
+  EXPECT_EQ(call({"run", kBundledLog, "-o", "/dev/stdout", "--report", "-"}, nowhere).exit_code, 0);
+}
+
 TEST_F(Streams, AMapGoesThroughAPipeToo) {
   const std::string run = kCommand + " solve " + kBundledLog + " --quiet -o /dev/stdout | cat > " + path("piped.g2o");
   Process process({"sh", "-c", run});
