@@ -87,6 +87,14 @@ TEST_F(Streams, AnOutputOnStandardOutputHasNoSummaryBesideIt) {
   EXPECT_EQ(piped.wait(), 0) << piped.standard_error();
 }
 
+TEST_F(Streams, NoFileTakesThePlaceOfAClosedOne) {
+  const auto with = [&](const std::string& words) { return Process({"sh", "-c", kCommand + " " + words}).wait(); };
+  const std::string run = "run " + kBundledLog + " -o " + path("out");
+  EXPECT_EQ(with(run + " >&-"), 5) << "the summary";
+  EXPECT_EQ(with(run + " --quiet >&- 2>&- <&-"), 0);
+  EXPECT_EQ(with("--help >&-"), 5);
+}
+
 TEST_F(Streams, AReaderThatHasGoneIsNoError) {
   ProcessOptions gone;
   gone.reader_has_gone = true;
