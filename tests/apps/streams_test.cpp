@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <tests/apps/command.hpp>
 
@@ -10,6 +11,7 @@ namespace mapjoin::testing {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 class Streams : public ::testing::Test {
@@ -93,6 +95,14 @@ TEST_F(Streams, NoFileTakesThePlaceOfAClosedOne) {
   EXPECT_EQ(with(run + " >&-"), 5) << "the summary";
   EXPECT_EQ(with(run + " --quiet >&- 2>&- <&-"), 0);
   EXPECT_EQ(with("--help >&-"), 5);
+}
+
+TEST_F(Streams, ASentenceOnATerminalHasALineOfItsOwn) {
+  if (std::system("command -v script > /dev/null") != 0) GTEST_SKIP() << "needs script, which is not installed";
+  const std::string run = "run " + folder.file("log.g2o", kSmallLog).string() + " --covariances -o " + path("out");
+  Process process({"script", "-qec", kCommand + " " + run, "/dev/null"});
+  ASSERT_EQ(process.wait(), 0);
+  EXPECT_THAT(process.standard_output(), HasSubstr("\nmapjoin: map.svg: "));
 }
 
 TEST_F(Streams, AReaderThatHasGoneIsNoError) {
