@@ -14,11 +14,6 @@
 namespace mapjoin::apps {
 namespace {
 
-/// The standard deviation of a position (m).
-template <int Dim, typename Covariance>
-double position_deviation(const Covariance& covariance) {
-  return std::sqrt(covariance.template topLeftCorner<Dim, Dim>().trace());
-}
 /// The standard deviation of a rotation (rad).
 template <int Dim>
 double rotation_deviation(const PoseMatrix<Dim>& covariance) {
@@ -26,15 +21,16 @@ double rotation_deviation(const PoseMatrix<Dim>& covariance) {
 }
 
 template <int Dim, typename Index, typename Covariance, typename Relation>
-Deviations::Median medians(const Table<Index, Covariance>& covariances, const Table<Index, Relation>& relations) {
+std::optional<Deviations::Median> medians(const Table<Index, Covariance>& covariances,
+                                          const Table<Index, Relation>& relations) {
   std::vector<double> in_map, relative;
   for (const Index k : indices(covariances)) {
     if (covariances[k].isZero(0.0)) continue;  // anchored
     in_map.push_back(position_deviation<Dim>(covariances[k]));
     relative.push_back(position_deviation<Dim>(relations[k].covariance));
   }
-  if (in_map.empty()) return {};
-  return {median(std::move(in_map)), median(std::move(relative))};
+  if (in_map.empty()) return std::nullopt;
+  return Deviations::Median{median(std::move(in_map)), median(std::move(relative))};
 }
 
 template <int Dim>

@@ -2,22 +2,30 @@
 #pragma once
 // The certainty of a map: four medians, and the files beside the map.
 
+#include <cmath>
 #include <filesystem>
 #include <mapjoin/join/covariances/map_covariances.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
+#include <optional>
 
 namespace mapjoin::apps {
 
-/// Medians of the standard deviations of positions, the square roots of the traces of their covariances (m).
+/// Medians of the standard deviations of positions (m).
 struct Deviations {
   struct Median {
     double in_map = 0.0;
     double relative = 0.0;  ///< Relative to the parents.
   };
-  Median poses;  ///< Without anchored poses.
-  Median features;
+  std::optional<Median> poses;  ///< Without anchored poses; nullopt if there are no others.
+  std::optional<Median> features;
 };
+
+/// The standard deviation of a position (m), the square root of the trace of its covariance.
+template <int Dim, typename Covariance>
+double position_deviation(const Covariance& covariance) {
+  return std::sqrt(covariance.template topLeftCorner<Dim, Dim>().trace());
+}
 
 /// The size of a map along its longest axis (m).
 template <int Dim>

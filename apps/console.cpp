@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <mapjoin/io/files/system_call.hpp>
 #include <sstream>
+#include <system_error>
 
 namespace mapjoin::apps {
 namespace {
@@ -28,6 +29,12 @@ bool is_stdout(const std::filesystem::path& path) {
   if (path == "-") return true;
   if (::stat(path.c_str(), &named) != 0 || ::fstat(STDOUT_FILENO, &out) != 0) return false;
   return named.st_dev == out.st_dev && named.st_ino == out.st_ino;
+}
+
+bool is_stream(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  return is_stdout(path) || (exists(status) && !is_regular_file(status) && !is_directory(status));
 }
 
 void say(const std::string& sentence) {

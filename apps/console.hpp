@@ -19,6 +19,9 @@ Expected<void> write_stdout(std::string_view text);
 /// True if an output goes to standard output: "-", or a path that leads there, such as /dev/stdout.
 bool is_stdout(const std::filesystem::path& path);
 
+/// True if an output is a device, a pipe or standard output: no file that others could lie beside.
+bool is_stream(const std::filesystem::path& path);
+
 /// One sentence on standard error, after the command's name.
 void say(const std::string& sentence);
 

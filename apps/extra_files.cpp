@@ -44,6 +44,13 @@ std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances)
   return files;
 }
 
+std::vector<ExtraFile> files_beside(const Options& options, bool has_covariances) {
+  if (is_stream(options.output)) return {};
+  std::vector<ExtraFile> files = extra_files(options, has_covariances);
+  std::erase_if(files, [](const ExtraFile& file) { return !file.beside; });
+  return files;
+}
+
 fs::path extra_file(Extra extra, const fs::path& map) {
   return fs::path(map).replace_extension(std::ranges::find(kExtraFiles, extra, &ExtraFile::extra)->beside);
 }

@@ -20,6 +20,8 @@ struct ExtraFile {
 };
 /// The extra files that the options ask for, without those of covariances if the map has none.
 std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances = true);
+/// Those of them that lie beside a map of one file, which is no stream (is_stream()).
+std::vector<ExtraFile> files_beside(const Options& options, bool has_covariances = true);
 /// The path of an extra file beside a map of one file: `map.covariances.json` beside `map.g2o`.
 std::filesystem::path extra_file(Extra extra, const std::filesystem::path& map);
 /// True if a file of this name in the folder of a run is an extra file.

@@ -15,6 +15,7 @@
 #include <mapjoin/io/formats/mat_log.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/local_maps/local_map_file.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <optional>
 #include <set>
@@ -74,10 +75,14 @@ bool is_of_run(const fs::path& file, const std::vector<fs::path>& folders) {
   return is_file_of_run(file.filename()) && std::ranges::find(folders, destination(file.parent_path() / ".")) != folders.end();
 }
 
-/// True if the path exists and is neither a file nor a folder.
-bool is_special(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored);
+/// Violations, in words: outputs that go to standard output, where another one goes; none if all of it goes to nowhere.
+std::vector<std::string> stdout_conflicts(NamedFiles outputs) {
+  std::erase_if(outputs, [](const auto& output) { return !is_stdout(output.second); });
+  std::vector<std::string> violations;
+  for (std::size_t k = 1; k < outputs.size() && !is_stdout("/dev/null"); ++k) {
+    violations.push_back(fmt::format("{} and {} cannot both go to standard output", outputs.front().first, outputs[k].first));
+  }
+  return violations;
 }
 
 }  // namespace
@@ -90,7 +95,7 @@ NamedFiles inputs_of(const Options& options, const std::string& argument) {
 }
 
 NamedFiles report_of(const Options& options) {
-  return {{"--report", options.report_on_stdout() ? fs::path() : options.report}};
+  return {{"--report", options.report}};
 }
 
 NamedFiles outputs_of(const Options& options) {
@@ -108,8 +113,8 @@ NamedFiles outputs_of_map(const Options& options) {
   if (options.output.empty()) return files;
   const std::vector<fs::path> written = map_files(options.output);
   for (auto beside = written.begin() + 1; beside != written.end(); ++beside) files.emplace_back("--output", *beside);
-  for (const ExtraFile& file : extra_files(options)) {
-    if (file.beside) files.emplace_back(file.option, extra_file(file.extra, options.output));
+  for (const ExtraFile& file : files_beside(options)) {
+    files.emplace_back(file.option, extra_file(file.extra, options.output));
   }
   return files;
 }
@@ -128,11 +133,12 @@ NamedFiles files_read(const NamedFiles& inputs) {
   return read;
 }
 
-std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs) {
+std::vector<std::string> output_conflicts(const NamedFiles& inputs, NamedFiles outputs) {
+  std::vector<std::string> violations = stdout_conflicts(outputs);
+  std::erase_if(outputs, [](const auto& output) { return output.second == "-"; });
   const NamedFiles read = files_read(inputs);
   NamedFiles all = inputs;
   append(all, outputs);
-  std::vector<std::string> violations;
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     const auto& [name, file] = *output;
     NamedFiles others = read;
@@ -159,6 +165,10 @@ std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std
   return violations;
 }
 
+std::vector<std::string> unfinished_store_conflicts(const NamedFiles& files, const std::string& output, const fs::path& store) {
+  return unfinished_conflicts(files, output, unfinished_store(store));
+}
+
 std::vector<std::string> conflicts_with_run(const NamedFiles& files, const fs::path& folder, bool parts) {
   std::vector<fs::path> folders = parts ? folders_of_parts(folder) : std::vector{folder};
   std::ranges::transform(folders, folders.begin(), destination);
@@ -178,7 +188,7 @@ std::vector<std::string> conflicts_with_run(const NamedFiles& files, const fs::p
 void check_writable(const NamedFiles& files) {
   std::error_code ignored;
   for (const auto& [name, path] : files) {
-    if (path.empty() || is_special(path)) continue;
+    if (path.empty() || is_stream(path)) continue;
     if (fs::is_directory(path, ignored)) demand(call_failed(path, EISDIR, ErrorKind::kCannotWrite));
     OutputFile::create(path).value();
   }
@@ -192,12 +202,12 @@ bool names_map_file(const fs::path& path) {
   const std::string extension = extension_of(path);
   std::error_code ignored;
   const bool is_map = extension == ".g2o" || extension == ".tum" || extension == ".csv" || extension == ".mat";
-  return is_special(path) || is_stdout(path) || (is_map && !fs::is_directory(path, ignored));
+  return is_stream(path) || (is_map && !fs::is_directory(path, ignored));
 }
 
 bool goes_by_extension(const fs::path& path) {
   std::error_code ignored;
-  return path.has_extension() && !is_special(path) && !fs::is_directory(path, ignored);
+  return path.has_extension() && !is_stream(path) && !fs::is_directory(path, ignored);
 }
 
 std::vector<std::string> demand_extension(const fs::path& path) {

@@ -23,7 +23,7 @@ using NamedFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 
 /// The inputs, the first under the name of its argument, and the files of --truth, --stamps and --gps.
 NamedFiles inputs_of(const Options& options, const std::string& argument);
-/// The report, unless it goes to standard output.
+/// The report.
 NamedFiles report_of(const Options& options);
 /// The output and the report.
 NamedFiles outputs_of(const Options& options);
@@ -38,12 +38,15 @@ NamedFiles outputs_of_folder(const Options& options, const std::vector<std::stri
 NamedFiles files_read(const NamedFiles& inputs);
 
 /// Violations, in words: an output that is, or would become, one file with an input, with a file that is read in an input
-/// folder, or with another output, by links or by name; and any file in the place of an unfinished output. Empty paths, and
-/// existing ones of no regular file, such as /dev/null, are one file with no other.
-std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs);
+/// folder, or with another output, by links or by name; any file in the place of an unfinished output; and several outputs on
+/// standard output. Empty paths, and existing ones of no regular file, such as /dev/null, are one file with no other.
+std::vector<std::string> output_conflicts(const NamedFiles& inputs, NamedFiles outputs);
 /// Violations, in words: a file at the place of an unfinished output, below it, or its journal.
 std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std::string& output,
                                               const std::filesystem::path& unfinished);
+/// Violations, in words: a file in the place of a store, named `output`, until it is done.
+std::vector<std::string> unfinished_store_conflicts(const NamedFiles& files, const std::string& output,
+                                                    const std::filesystem::path& store);
 /// Violations, in words: a file that a run may replace or remove in its folder or, if that has several `parts`, in the folder
 /// of a part; there also one in the place of an unfinished file. Of several files of one name and folder the first is told.
 std::vector<std::string> conflicts_with_run(const NamedFiles& files, const std::filesystem::path& folder, bool parts);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <tbb/info.h>
@@ -17,6 +18,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 extern "C" {  // Null if the BLAS is not OpenBLAS.
 [[gnu::weak]] char* openblas_get_config();
@@ -84,6 +86,13 @@ extern "C" void on_missing_page(int) {
 
 }  // namespace
 
+void occupy_standard_streams() {
+  for (const auto& [stream, mode] :
+       {std::pair(STDIN_FILENO, O_RDONLY), std::pair(STDOUT_FILENO, O_RDONLY), std::pair(STDERR_FILENO, O_WRONLY)}) {
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", mode);  // the lowest descriptor that is free
+  }
+}
+
 Expected<void> check_process_limits() {
   const std::int64_t stack = limit_of(RLIMIT_STACK).value_or(2 * kMegabyte);  // of each thread, as glibc chooses it
   const std::int64_t data = kSmallMap + thread_count() * (kBuffer + stack);
@@ -129,6 +138,13 @@ Interruption::Interruption() {
     } while (::sigtimedwait(&signals, nullptr, &kAgainAfter) < 0 || std::chrono::steady_clock::now() < from_here_a_second);
     std::_Exit(static_cast<int>(ExitCode::kInterrupted));
   }).detach();
+}
+
+void wait_despite_stop() {
+  sigset_t waking;
+  ::sigemptyset(&waking);
+  ::sigaddset(&waking, kWakes);
+  ::pthread_sigmask(SIG_BLOCK, &waking, nullptr);
 }
 
 }  // namespace mapjoin::apps

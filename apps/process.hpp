@@ -8,6 +8,10 @@
 
 namespace mapjoin::apps {
 
+/// Puts /dev/null in the place of each standard stream that is closed, so that no file which is opened later takes the place
+/// and what is written there; of standard output so that writing fails. To be called before any file is opened.
+void occupy_standard_streams();
+
 /// Checks the limits of the process (`ulimit -v`, `ulimit -d`): kTooLarge if they leave less than the threads and their BLAS
 /// buffers take, for OpenBLAS asks again for ever for a buffer that it cannot have.
 Expected<void> check_process_limits();
@@ -36,5 +40,9 @@ class Interruption {
  private:
   std::stop_source source_;
 };
+
+/// Lets the calling thread, the main one, wait in reads and writes from now on though a stop is requested: for work that a stop
+/// does not end. A second signal still ends the process.
+void wait_despite_stop();
 
 }  // namespace mapjoin::apps

@@ -66,6 +66,7 @@ std::string with_owners(std::string sentence, const Subcommand& chosen, const Co
 }  // namespace
 
 Expected<void> prepare_process() {
+  occupy_standard_streams();
   if (auto room = check_process_limits(); !room) return room;
   keep_blas_on_one_thread();
   end_on_truncated_input();

@@ -11,7 +11,8 @@
 
 namespace mapjoin::apps {
 
-/// Prepares the limits, the BLAS and the signals of a process, before anything else. kTooLarge if the limits leave too little.
+/// Prepares the streams, the limits, the BLAS and the signals of a process, before anything else. kTooLarge if the limits leave
+/// too little.
 Expected<void> prepare_process();
 
 /// Parses the command line and runs the chosen subcommand; kUsage if the command line is wrong.

@@ -95,7 +95,7 @@ void declare_build(Subcommand& command) {
   command.check([options] {
     NamedFiles files = inputs_of(*options, "LOG|MAPS");
     append(files, outputs_of_store(*options));
-    return unfinished_conflicts(files, "--output", unfinished_store(options->output));
+    return unfinished_store_conflicts(files, "--output", options->output);
   });
   command.check([options, &command] { return check_uncut(command, *options); });
   command.check([options]() -> std::vector<std::string> {

@@ -110,7 +110,7 @@ Findings check_certainty(const RunResult<Dim>& result) {
   std::string least_known;
   const auto look = [&](const auto& covariances, const auto& ids) {
     for (const auto k : indices(covariances)) {
-      const double deviation = std::sqrt(covariances[k].template topLeftCorner<Dim, Dim>().trace());
+      const double deviation = position_deviation<Dim>(covariances[k]);
       if (deviation > largest) least_known = to_string(ids[k]);
       largest = std::max(largest, deviation);
     }

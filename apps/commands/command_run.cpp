@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <apps/certainty.hpp>
@@ -111,8 +112,7 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   const Stopwatch watch(run_report.write_seconds);
   demand(write_map_file(result.map, log, options_.output));
   for (const auto& file : map_files(options_.output)) run_report.files.push_back(file.string());
-  for (const ExtraFile& extra : extra_files(options_, result.marginals.has_value())) {
-    if (!extra.beside) continue;
+  for (const ExtraFile& extra : files_beside(options_, result.marginals.has_value())) {
     const std::filesystem::path file = extra_file(extra.extra, options_.output);
     demand(write_extra(extra.extra, result, log, file));
     run_report.files.push_back(file.string());
@@ -122,10 +122,21 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
 
 void CommandRun::say_what_is_left() {
   progress_.close();
+  if (is_stream(options_.output)) return say_what_is_left_out();
   for (const std::filesystem::path& file : extra_files_left(options_.output, run_report.files)) {
     if (is_of_store(file, inputs())) continue;
     say(file.string() + ": was there before, and this call did not write it; unless it is of a map that you keep, remove it");
   }
+}
+
+void CommandRun::say_what_is_left_out() const {
+  std::vector<std::string> names;
+  for (const ExtraFile& file : extra_files(options_, false)) {
+    if (file.beside) names.emplace_back(file.in_folder);
+  }
+  if (names.empty()) return;
+  say(fmt::format("{}: is no file beside which others could lie: {} not written", options_.output.string(),
+                  fmt::join(names, " and ")));
 }
 
 template <int Dim>

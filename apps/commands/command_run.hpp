@@ -130,6 +130,8 @@ class CommandRun {
   /// Says which files beside a map of one file were there before, but for records of the stores that were joined. They may
   /// belong to the user: none is removed.
   void say_what_is_left();
+  /// Says which files that options ask for are not written, since nothing lies beside a stream.
+  void say_what_is_left_out() const;
   /// Turns the fixes of --gps into priors of a log, except those that --robust rejects.
   template <int Dim>
   void attach_gps(Log<Dim>& log);

@@ -54,14 +54,25 @@ std::string listed(std::string Format::*part, std::string_view separator) {
   return fmt::format("{}", fmt::join(all, separator));
 }
 
-AnyFormat format_of(const ConvertOptions& options) {
-  if (options.format) return *options.format;
+/// The format asked for or, if none was, that of the output's extension; nullopt if that says nothing.
+std::optional<AnyFormat> format_of(const ConvertOptions& options) {
+  if (options.format) return options.format;
   const std::string extension = extension_of(options.output);
   for (const Format& format : formats()) {
     if (!extension.empty() && extension == format.extension) return format.format;
   }
-  fail(ErrorKind::kUsage, fmt::format("{}: its name does not say which format it is to have, as {} do; --to does",
-                                      options.output.string(), listed(&Format::extension, ", ")));
+  return std::nullopt;
+}
+
+/// Violations, in words: an output of no format, and an input in the place of an unfinished store.
+std::vector<std::string> check_format(const ConvertOptions& options) {
+  const std::optional<AnyFormat> format = format_of(options);
+  if (!format) {
+    return {fmt::format("{}: its name does not say which format it is to have, as {} do; --to does", options.output.string(),
+                        listed(&Format::extension, ", "))};
+  }
+  if (!std::holds_alternative<StoreFormat>(*format)) return {};
+  return unfinished_store_conflicts({{"IN", options.input}}, "OUT", options.output);
 }
 
 /// Data that the output has no place for, in words.
@@ -130,7 +141,7 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, const StoredM
 
 ExitCode convert_input(const ConvertOptions& options, const std::stop_token& stop) {
   CommandRun command_run("convert", options, stop);
-  const AnyFormat format = format_of(options);
+  const AnyFormat format = format_of(options).value();
   if (!std::holds_alternative<LocalMapFormat>(format)) command_run.prepare(outputs_of(options));
   const Losses lost =
       command_run.with_log_or_maps([&](auto&& input) { return convert_any(options, format, std::move(input)); });
@@ -163,10 +174,7 @@ void declare_convert(Subcommand& command) {
   command.flag("--quiet", options->quiet, "No summary");
   add_reading(command, *options);
   command.check([options] { return output_conflicts({{"IN", options->input}}, {{"OUT", options->output}}); });
-  command.check([options]() -> std::vector<std::string> {
-    if (extension_of(options->output) != ".maps") return {};
-    return unfinished_conflicts({{"IN", options->input}}, "OUT", unfinished_store(options->output));
-  });
+  command.check([options] { return check_format(*options); });
   command.act([options](const std::stop_token& stop) { return convert_input(*options, stop); });
 }
 

@@ -44,7 +44,7 @@ ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop
   if (is_trajectory_file(options.input)) truth.take_map_for_trajectory();
   const auto errors_in = [&](auto&& log) { return errors_of(map_of(std::move(log)), truth, options.errors); };
   const TruthErrors errors = std::visit(errors_in, command_run.read_log());
-  if (errors.absolute.translation.count == 0) {
+  if (errors.absolute.poses.translation.count == 0) {
     const bool has_stamps = command_run.run_report.has_stamps;
     fail(ErrorKind::kBadInput,
          options.true_map.string() +

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <apps/commands/follow.hpp>
 #include <apps/console.hpp>
+#include <apps/process.hpp>
 #include <apps/report/json.hpp>
 #include <cerrno>
 #include <chrono>
@@ -91,28 +93,38 @@ std::string for_programs(const Step& step) {
 /// Reports each added map: a line for people on standard error, if that is a terminal, and a line of JSON for programs.
 class StepReport {
  public:
-  /// Opens `path`, as of FollowOptions::steps; kCannotWrite if the file cannot be made. It grows line by line, for others to
-  /// follow.
+  /// Opens `path`, as of FollowOptions::steps; kCannotWrite if the file cannot be made. It is emptied at the first step, since
+  /// a log may have none, and grows line by line, for others to follow.
   StepReport(const std::filesystem::path& path, bool quiet)
       : path_(is_stdout(path) ? "standard output" : path), is_shown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
     if (is_stdout(path)) file_ = File(stdout, [](std::FILE*) { return 0; });
     if (is_stdout(path) || path.empty()) return;
-    file_ = File(std::fopen(path.c_str(), "we"), std::fclose);
+    file_ = File(std::fopen(path.c_str(), "ae"), std::fclose);
     if (!file_) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
   }
 
   void add(const Step& step) {
     if (is_shown_) std::fputs(for_people(step).c_str(), stderr);
+    if (file_ && !std::exchange(is_begun_, true)) begin();
     if (!file_ || (std::fputs(for_programs(step).c_str(), file_.get()) >= 0 && std::fflush(file_.get()) == 0)) return;
     // No error if the reader has gone away: it has had all it wanted.
     if (errno != EPIPE) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
   }
 
  private:
+  /// Empties a plain file; a pipe or a device has nothing to empty.
+  void begin() {
+    struct ::stat status {};
+    const int descriptor = ::fileno(file_.get());
+    if (file_.get() == stdout || ::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return;
+    if (::ftruncate(descriptor, 0) != 0) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
+  }
+
   using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
   std::filesystem::path path_;
   File file_{nullptr, std::fclose};
   bool is_shown_;
+  bool is_begun_ = false;
 };
 
 /// The map of a growing log.
@@ -271,14 +283,13 @@ std::vector<std::string> check_following(const Subcommand& command, const Option
   if (following.wanted && options.association) {
     violations.emplace_back("--follow goes by the ids of features, which --associate ignores");
   }
-  if (is_stdout(following.steps) && options.report_on_stdout()) {
-    violations.emplace_back("--steps and --report cannot both go to standard output");
-  }
   return violations;
 }
 
 FollowedLog follow(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
-  return Follower(options, following.steps).follow(following.idle_seconds, stop);
+  Follower follower(options, following.steps);
+  wait_despite_stop();  // A stop ends the following only: steps and the map are written to their end.
+  return follower.follow(following.idle_seconds, stop);
 }
 
 }  // namespace mapjoin::apps

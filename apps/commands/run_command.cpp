@@ -95,6 +95,7 @@ void say_other_runs(const std::filesystem::path& folder, const std::vector<std::
 template <int Dim>
 void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
   const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value(), sessions_in(result.map));
+  command_run.progress().close();
   const std::string capped = ellipse_cap(result.map).in_words();
   if (!capped.empty()) say("map.svg: " + capped);
   for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
@@ -103,7 +104,6 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
   command_run.check_interrupted();
   const std::filesystem::path& output = command_run.options().output;
   folder.commit(names, files_of_former_run(output));
-  command_run.progress().close();
   say_other_runs(output, {output});
 }
 
@@ -189,7 +189,7 @@ std::vector<std::string> check_files(const Options& options, const FollowOptions
   const NamedFiles inputs = inputs_of(options, "LOG");
   const bool is_folder = !options.output.empty() && !names_map_file(options.output);
   NamedFiles outputs = is_folder ? outputs_of(options) : outputs_of_map(options);
-  if (!is_stdout(following.steps)) outputs.emplace_back("--steps", following.steps);
+  outputs.emplace_back("--steps", following.steps);
   std::vector<std::string> violations = output_conflicts(inputs, outputs);
   NamedFiles all = files_read(inputs);
   append(all, outputs);

@@ -102,7 +102,8 @@ void declare_simulate(Subcommand& command) {
   command.choice("--dim", options->dimension, std::to_array<EnumName<int>>({{2, "2"}, {3, "3"}}), "Dimension");
   command.number<std::uint64_t>("--seed", world.seed, 0, "S", "The same seed gives the same log");
   command.path("-o,--output", options->log, "LOG", "Write the log, as g2o", true);
-  command.path("--truth", options->truth, "FILE", "Write the true map: .tum (poses only), .csv (features beside it), else g2o");
+  command.path("--truth", options->truth, "FILE",
+               "Write the true map: .tum (poses only), .csv (features beside it), .mat, else g2o");
   add_part(command, "Only the K-th of N parts, with the memory of one; the lines of all parts are those of the whole log",
            [&world](std::size_t part, std::size_t parts) {
              world.part = static_cast<std::int64_t>(part);

@@ -22,6 +22,12 @@ CLI::Validator names_path(const std::string& kind = "") {
   return CLI::Validator(fault, "");
 }
 
+/// Lets an argument take any number of words, each as it is: of an option that allows extra words CLI11 takes [a,b] for two.
+CLI::Option& take_words(CLI::Option& option) {
+  constexpr int kMany = CLI::detail::expected_max_vector_size;
+  return *option.expected(kMany, kMany)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
+}
+
 }  // namespace
 
 Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description)
@@ -47,15 +53,15 @@ void Subcommand::argument(const std::string& name, std::filesystem::path& value,
 }
 
 void Subcommand::arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help) {
-  app_->add_option(name, values, help)->required()->check(names_path())->type_name("");
+  take_words(*app_->add_option(name, values, help)).required()->check(names_path())->type_name("");
 }
 
 void Subcommand::words(const std::string& name, std::vector<std::string>& values, const std::string& help) {
-  app_->add_option(name, values, help)->required()->type_name("");
+  take_words(*app_->add_option(name, values, help)).required()->type_name("");
 }
 
 void Subcommand::further(std::vector<std::filesystem::path>& values, const std::string& help) {
-  app_->add_option(kFurther, values, help)->check(names_path())->type_name("");
+  take_words(*app_->add_option(kFurther, values, help)).check(names_path())->type_name("");
 }
 
 void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {

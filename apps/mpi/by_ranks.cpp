@@ -4,7 +4,6 @@
 #include <apps/mpi/by_ranks.hpp>
 #include <mapjoin/distributed/run.hpp>
 #include <mapjoin/distributed/share_maps.hpp>
-#include <mapjoin/io/store/store.hpp>
 #include <mapjoin/model/lists.hpp>
 
 namespace mapjoin::apps {
@@ -90,7 +89,7 @@ std::vector<std::string> store_conflicts(const MpiOptions& options, const std::s
   for (int rank = 0; rank < comm.size(); ++rank) {
     const std::filesystem::path store = distributed::store_of(rank, comm.size(), options.stores);
     append(violations, unfinished_conflicts(files, option, store));
-    append(violations, unfinished_conflicts(files, option, unfinished_store(store)));
+    append(violations, unfinished_store_conflicts(files, option, store));
   }
   return violations;
 }

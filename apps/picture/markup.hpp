@@ -9,8 +9,9 @@
 
 namespace mapjoin::apps {
 
-/// The text with the characters that markup is made of, &, <, > and ", as entities.
-std::string escaped(std::string text);
+/// The text with the characters that markup is made of, &, <, > and ", as entities, and with U+FFFD for each byte that is no
+/// UTF-8, as file names may have, and for control characters other than tab and newline, which XML may not hold.
+std::string escaped(std::string_view text);
 
 /// A whole HTML page; well-formed XML if its body is.
 std::string html_page(const std::string& title, std::string_view style, std::string_view body);

@@ -16,7 +16,7 @@ namespace {
 constexpr double kMargin = 40.0;             // in pixels, as all lengths here
 constexpr double kLine = 22.0;               // height of a line of the legend, below the drawing
 constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn
-constexpr std::size_t kMostPoints = 10'000;  // of all lines of a layer, of its marks, of its ellipses: the rest is left out
+constexpr std::size_t kMostPoints = 10'000;  // of all lines of a layer, of its marks, of its ellipses
 constexpr double kLetter = 7.2;              // the mean width of a letter
 constexpr double kSample = 24.0;             // the width of a sample in the legend
 constexpr std::size_t kSampleColours = 4;    // the most colours that a sample shows
@@ -64,18 +64,50 @@ FlatLine thinned(const FlatLine& points, double finest) {
   return kept;
 }
 
-/// The items of a list that are drawn, each of at least so many points: of very many some are skipped.
+/// One in so many items of a list is drawn, each of at least `points` points.
+std::size_t one_in(std::size_t items, std::size_t points = 1) {
+  return 1 + points * items / (kMostPoints + 1);
+}
+
+/// The items of a list that are drawn: of very many some are skipped.
 template <typename T>
-std::vector<T> some_of(const std::vector<T>& all, std::size_t points = 1) {
+std::vector<T> some_of(const std::vector<T>& all, std::size_t every) {
   std::vector<T> some;
-  const std::size_t every = 1 + points * all.size() / (kMostPoints + 1);
   for (std::size_t k = 0; k < all.size(); k += every) some.push_back(all[k]);
   return some;
 }
 
-/// The lines in pixels, thinned until few enough points are left in all; of very many lines some are left out, too.
+/// True if a line begins where the one before it ends, as the paths of local maps do.
+bool goes_on(const FlatLine& before, const FlatLine& line) {
+  return before.back() == line.front();
+}
+
+/// Lines of a path, each of `most` ones that go on from each other in one.
+std::vector<FlatLine> joined(const std::vector<FlatLine>& lines, std::size_t most) {
+  std::vector<FlatLine> joined;
+  std::size_t count = most;  // of lines in the last one
+  for (const FlatLine& line : lines) {
+    if (count == most || !goes_on(joined.back(), line)) {
+      joined.emplace_back();
+      count = 0;
+    }
+    joined.back().insert(joined.back().end(), line.begin(), line.end());
+    ++count;
+  }
+  return joined;
+}
+
+/// Few enough lines: of very many those of a path are joined, and of others, as of links, some are skipped.
+std::vector<FlatLine> few_of(const std::vector<FlatLine>& lines) {
+  const std::size_t every = one_in(lines.size(), 2);
+  std::size_t going_on = 0;
+  for (std::size_t k = 1; k < lines.size(); ++k) going_on += goes_on(lines[k - 1], lines[k]) ? 1 : 0;
+  return 2 * going_on > lines.size() ? joined(lines, every) : some_of(lines, every);
+}
+
+/// The lines in pixels, thinned until few enough points are left in all.
 std::vector<FlatLine> lines_on(const Sheet& sheet, const std::vector<FlatLine>& lines) {
-  std::vector<FlatLine> drawn = some_of(lines, 2);
+  std::vector<FlatLine> drawn = few_of(lines);
   for (FlatLine& line : drawn) {
     for (Point<2>& p : line) p = sheet.at(p);
   }
@@ -106,9 +138,11 @@ std::string lines_of(const Sheet& sheet, const Layer& layer) {
       for (std::size_t p = 0; p < lines[k].size(); ++p) {
         svg += fmt::format("{}{:.1f},{:.1f}", p == 0 ? "M" : " ", lines[k][p].x(), lines[k][p].y());
       }
+      if (lines[k].size() == 1) svg += "h0";  // with round ends a dot
     }
-    svg += fmt::format("\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\"{}/>\n", layer.colours[c],
-                       layer.width, dashes(layer));
+    svg += fmt::format(
+        "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"{}/>\n",
+        layer.colours[c], layer.width, dashes(layer));
   }
   return svg;
 }
@@ -125,7 +159,7 @@ std::string paint(const Layer& layer, bool is_outline) {
 std::string marks_of(const Sheet& sheet, const Layer& layer) {
   if (layer.marks.empty()) return "";
   std::string svg = "<g " + paint(layer, layer.mark == Mark::kRing) + ">\n";
-  for (const Point<2>& mark : some_of(layer.marks)) {
+  for (const Point<2>& mark : some_of(layer.marks, one_in(layer.marks.size()))) {
     const Point<2> p = sheet.at(mark);
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>\n", p.x(), p.y(), radius(layer.mark));
   }
@@ -135,7 +169,7 @@ std::string marks_of(const Sheet& sheet, const Layer& layer) {
 std::string ellipses_of(const Sheet& sheet, const Layer& layer) {
   if (layer.ellipses.empty()) return "";
   std::string svg = fmt::format("<g {} stroke-width=\"{:g}\">\n", paint(layer, true), layer.width);
-  for (const Ellipse& e : some_of(layer.ellipses)) {
+  for (const Ellipse& e : some_of(layer.ellipses, one_in(layer.ellipses.size()))) {
     const Point<2> centre = sheet.at(e.centre);
     const Point<2> half = e.half_axes * sheet.pixels_per_metre();
     svg += fmt::format("<ellipse rx=\"{:.2f}\" ry=\"{:.2f}\" transform=\"translate({:.1f} {:.1f}) rotate({:.1f})\"/>\n",

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <apps/picture/plotted_map.hpp>
-#include <apps/position.hpp>
 #include <apps/truth_file.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/trajectory.hpp>
-#include <mapjoin/join/align/alignment.hpp>
+#include <mapjoin/join/study/truth_errors.hpp>
 #include <mapjoin/model/lists.hpp>
 
 namespace mapjoin::apps {
@@ -152,19 +151,9 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const SubmapSet<Dim>& set)
 
 template <int Dim>
 Expected<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first) {
-  std::vector<Point<Dim>> from, to;
-  const auto add_known = [&](const auto& of_truth, const auto& of_first) {
-    for (const auto k : indices(of_truth)) {
-      if (!of_truth[k]) continue;
-      from.push_back(*position_of(of_truth[k]));
-      to.push_back(*position_of(of_first[k]));
-    }
-  };
-  add_known(truth.poses, first.poses);
-  add_known(truth.features, first.features);
-  const auto frame = rigid_alignment(from, to);
+  const auto frame = alignment_onto(truth, first);
   if (!frame) return bad_input("shares too little with the first map to be aligned with it");
-  return *frame;
+  return inverse(*frame);
 }
 
 template <int Dim>

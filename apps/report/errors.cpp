@@ -7,55 +7,30 @@
 namespace mapjoin::apps {
 namespace {
 
-/// The poses that estimate and truth both have, in the order of the map.
-template <int Dim>
-struct Matched {
-  std::vector<Pose<Dim>> estimate;
-  std::vector<Pose<Dim>> truth;
-  std::vector<std::size_t> session_begins;          ///< First pose of each session.
-  Table<PoseIndex, std::optional<std::size_t>> at;  ///< Place here of each pose of the map.
-};
-
-template <int Dim>
-Matched<Dim> matched(const GlobalMap<Dim>& map, const Truth<Dim>& truth) {
-  Matched<Dim> both;
-  both.at.resize(map.poses.size());
-  std::optional<std::uint32_t> session;
-  for (const PoseIndex p : indices(map.poses)) {
-    if (!truth.poses[p]) continue;
-    if (session != map.pose_ids[p].session) both.session_begins.push_back(both.estimate.size());
-    session = map.pose_ids[p].session;
-    both.at[p] = both.estimate.size();
-    both.estimate.push_back(map.poses[p]);
-    both.truth.push_back(*truth.poses[p]);
+/// The position of the first pose of each session, and the number of poses.
+std::vector<std::size_t> session_bounds(const PoseIds& poses) {
+  std::vector<std::size_t> bounds;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (p == 0 || poses[PoseIndex(p)].session != poses[PoseIndex(p - 1)].session) bounds.push_back(p);
   }
-  return both;
+  bounds.push_back(poses.size());
+  return bounds;
 }
 
-/// Pairs of poses a span apart, within sessions; the path is that of the estimate, as evo takes it.
+/// Pairs of poses of the map a span apart, within sessions; the path is that of the map, as evo takes it.
 template <int Dim>
-PosePairs pairs_of(const Matched<Dim>& both, double span, const ErrorOptions& options) {
+PosePairs pairs_of(const GlobalMap<Dim>& map, double span, const ErrorOptions& options) {
   PosePairs pairs;
-  for (std::size_t s = 0; s < both.session_begins.size(); ++s) {
-    const std::size_t begin = both.session_begins[s];
-    const std::size_t end = s + 1 < both.session_begins.size() ? both.session_begins[s + 1] : both.estimate.size();
-    const std::vector<Pose<Dim>> session(both.estimate.begin() + static_cast<std::ptrdiff_t>(begin),
-                                         both.estimate.begin() + static_cast<std::ptrdiff_t>(end));
+  const std::vector<std::size_t> bounds = session_bounds(map.pose_ids);
+  for (std::size_t s = 0; s + 1 < bounds.size(); ++s) {
+    const std::vector<Pose<Dim>> session(map.poses.begin() + static_cast<std::ptrdiff_t>(bounds[s]),
+                                         map.poses.begin() + static_cast<std::ptrdiff_t>(bounds[s + 1]));
     const PosePairs here = options.unit == SpanUnit::kMetres
                                ? pairs_by_path(session, span, options.pairs)
                                : pairs_by_steps(session.size(), static_cast<std::size_t>(span), options.pairs);
-    for (const auto& [i, j] : here) pairs.emplace_back(begin + i, begin + j);
+    for (const auto& [i, j] : here) pairs.emplace_back(bounds[s] + i, bounds[s] + j);
   }
   return pairs;
-}
-
-template <int Dim>
-ErrorSummary feature_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth, const Pose<Dim>& alignment) {
-  std::vector<double> errors;
-  for (const FeatureIndex f : indices(map.features)) {
-    if (truth.features[f]) errors.push_back((transform(alignment, map.features[f]) - *truth.features[f]).norm());
-  }
-  return summary_of(errors);
 }
 
 std::string in_words(const ErrorSummary& errors, double scale, std::string_view unit) {
@@ -67,7 +42,19 @@ std::string in_words(const ErrorSummary& errors, double scale, std::string_view 
 void add_pose_errors(std::string_view name, const std::string& what, const PoseErrorSummary& errors, Lines& lines) {
   if (errors.translation.count == 0) return lines.add(name, what + ": none");
   lines.add(name, fmt::format("{}: {}", what, in_words(errors.translation, 1.0, "m")));
-  lines.add("", in_words(errors.rotation, 180.0 / std::numbers::pi, "deg"));
+  if (errors.rotation.count > 0) lines.add("", in_words(errors.rotation, 180.0 / std::numbers::pi, "deg"));
+}
+
+std::string_view alignment_in_words(const TruthErrors& errors) {
+  switch (errors.options.alignment) {
+    case TrajectoryAlignment::kRigid:
+      return errors.absolute.aligned_by == AlignedBy::kFeatures ? "aligned as a whole, with features" : "aligned as a whole";
+    case TrajectoryAlignment::kOrigin:
+      return "aligned at the first pose";
+    case TrajectoryAlignment::kNone:
+      break;
+  }
+  return "not aligned";
 }
 
 }  // namespace
@@ -75,18 +62,12 @@ void add_pose_errors(std::string_view name, const std::string& what, const PoseE
 template <int Dim>
 TruthErrors errors_of(const GlobalMap<Dim>& map, const TruthFile& file, const ErrorOptions& options) {
   const Truth<Dim> truth = file.of(map);
-  const Matched<Dim> both = matched(map, truth);
-  if (both.estimate.empty()) return {options, map.poses.size(), {}, {}, {}, {}};
-  const auto absolute = absolute_trajectory_error(both.estimate, both.truth, options.alignment);
-  TruthErrors errors{options, map.poses.size(), absolute.errors, feature_errors(map, truth, absolute.alignment), {}, {}};
-  for (const double span : options.spans) {
-    errors.spans.push_back(relative_pose_error(both.estimate, both.truth, pairs_of(both, span, options)));
-  }
+  TruthErrors errors{options, map.poses.size(), absolute_errors(map, truth, options.alignment), {}, {}};
+  if (errors.absolute.poses.translation.count == 0) return errors;
+  for (const double span : options.spans) errors.spans.push_back(relative_errors(map, truth, pairs_of(map, span, options)));
   PosePairs relations;
-  for (const auto& [base, target] : file.relations(map.pose_ids)) {
-    if (both.at[base] && both.at[target]) relations.emplace_back(*both.at[base], *both.at[target]);
-  }
-  errors.relations = relative_pose_error(both.estimate, both.truth, relations);
+  for (const auto& [base, target] : file.relations(map.pose_ids)) relations.emplace_back(base.position(), target.position());
+  errors.relations = relative_errors(map, truth, relations);
   return errors;
 }
 
@@ -94,8 +75,8 @@ Json json_of(const std::optional<TruthErrors>& errors) {
   if (!errors) return nullptr;
   Json json = {{"alignment", errors->options.alignment},
                {"poses", errors->poses},
-               {"ate", errors->absolute},
-               {"features", errors->features},
+               {"ate", errors->absolute.poses},
+               {"features", errors->absolute.features},
                {"unit", errors->options.unit},
                {"pairs", errors->options.pairs},
                {"rpe", Json::array()}};
@@ -108,15 +89,14 @@ Json json_of(const std::optional<TruthErrors>& errors) {
 }
 
 void add_errors(const TruthErrors& errors, Lines& lines) {
-  const std::string_view aligned = errors.options.alignment == TrajectoryAlignment::kRigid    ? "aligned as a whole"
-                                   : errors.options.alignment == TrajectoryAlignment::kOrigin ? "aligned at the first pose"
-                                                                                              : "not aligned";
-  if (errors.absolute.translation.count == 0) return;
-  add_pose_errors("ATE", fmt::format("{} of {} poses, {}", errors.absolute.translation.count, errors.poses, aligned),
-                  errors.absolute, lines);
-  if (errors.features.count > 0) {
-    lines.add("features", fmt::format("{}: {}", errors.features.count, in_words(errors.features, 1.0, "m")));
+  const auto& [poses, features, aligned_by] = errors.absolute;
+  if (poses.translation.count == 0) return;
+  add_pose_errors("ATE", fmt::format("{} of {} poses, {}", poses.translation.count, errors.poses, alignment_in_words(errors)),
+                  poses, lines);
+  if (aligned_by == AlignedBy::kTooLittle) {
+    lines.add("", "rotations and features unknown: positions that leave a rotation free do not align them");
   }
+  if (features.count > 0) lines.add("features", fmt::format("{}: {}", features.count, in_words(features, 1.0, "m")));
   for (std::size_t k = 0; k < errors.spans.size(); ++k) {
     const double span = errors.options.spans[k];
     const std::string unit = errors.options.unit == SpanUnit::kMetres ? "m" : span == 1.0 ? "step" : "steps";

@@ -5,6 +5,7 @@
 #include <apps/console.hpp>
 #include <apps/report/json.hpp>
 #include <apps/truth_file.hpp>
+#include <mapjoin/join/study/truth_errors.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>
 #include <optional>
 #include <vector>
@@ -42,8 +43,7 @@ struct ErrorOptions {
 struct TruthErrors {
   ErrorOptions options;
   std::size_t poses = 0;                ///< Number of poses of the map, known to the truth or not.
-  PoseErrorSummary absolute;            ///< Absolute errors of those known.
-  ErrorSummary features;                ///< Errors of features, moved as the poses.
+  AbsoluteErrors absolute;              ///< Errors of those known, and of features.
   std::vector<PoseErrorSummary> spans;  ///< Relative errors by ErrorOptions::spans; within sessions.
   PoseErrorSummary relations;           ///< Relative errors between poses that edges of the truth tie.
 };

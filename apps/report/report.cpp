@@ -114,13 +114,14 @@ Json json_of(const Nees& nees) {
 }
 
 Json certainty_of(const RunReport& run_report) {
-  const auto medians = [&](Deviations::Median Deviations::*of) {
-    const Deviations::Median median = run_report.deviations.value_or(Deviations{}).*of;
-    return if_known(run_report.deviations.has_value(), {{"in_map", median.in_map}, {"relative", median.relative}});
+  const Deviations deviations = run_report.deviations.value_or(Deviations{});
+  const auto medians = [](const std::optional<Deviations::Median>& known) {
+    const Deviations::Median median = known.value_or(Deviations::Median{});
+    return if_known(known.has_value(), {{"in_map", median.in_map}, {"relative", median.relative}});
   };
   const Consistency consistency = run_report.consistency.value_or(Consistency{});
   return {{"estimate", run_report.covariances},
-          {"median_deviation", {{"poses", medians(&Deviations::poses)}, {"features", medians(&Deviations::features)}}},
+          {"median_deviation", {{"poses", medians(deviations.poses)}, {"features", medians(deviations.features)}}},
           {"nees",
            {{"poses", json_of(consistency.poses)},
             {"features", json_of(consistency.features)},

@@ -58,14 +58,16 @@ std::string nees_in_words(std::string_view what, const Nees& nees, bool is_moved
                      verdict, nees.least(), nees.most());
 }
 
-std::string deviations_in_words(const RunReport& run_report) {
-  const Deviations& all = *run_report.deviations;
-  const auto words = [](std::string_view what, const Deviations::Median& of) {
-    return fmt::format("{} {:.2g} m in the map, {:.2g} m relative to where they hang", what, of.in_map, of.relative);
+void add_deviations(const Deviations& deviations, Lines& lines) {
+  std::vector<std::string> known;
+  const auto add = [&](std::string_view what, const std::optional<Deviations::Median>& of) {
+    if (!of) return;
+    known.push_back(
+        fmt::format("{} {:.2g} m in the map, {:.2g} m relative to where they hang", what, of->in_map, of->relative));
   };
-  std::string text = words("poses", all.poses);
-  if (run_report.counts.features > 0) text += "; " + words("features", all.features);
-  return text + " (median standard deviations)";
+  add("poses", deviations.poses);
+  add("features", deviations.features);
+  if (!known.empty()) lines.add("certainty", fmt::format("{} (median standard deviations)", fmt::join(known, "; ")));
 }
 
 void add_consistency(const RunReport& run_report, Lines& lines) {
@@ -109,7 +111,7 @@ void add_result(const RunReport& run_report, Lines& lines) {
   if (figures.polish) lines.add("polished", solve_in_words(*figures.polish));
   lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(run_report)));
   add_verdict(run_report, lines);
-  if (run_report.deviations) lines.add("certainty", deviations_in_words(run_report));
+  if (run_report.deviations) add_deviations(*run_report.deviations, lines);
   add_consistency(run_report, lines);
   if (run_report.errors) add_errors(*run_report.errors, lines);
 }

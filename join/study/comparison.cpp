@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/comparison.hpp>
+#include <mapjoin/join/study/truth_errors.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <stdexcept>
 #include <utility>
@@ -21,27 +22,12 @@ std::vector<std::size_t> spans_within(std::size_t poses) {
   return spans;
 }
 
-template <int Dim>
-std::vector<PoseErrorSummary> span_errors(const std::vector<Pose<Dim>>& estimate, const std::vector<Pose<Dim>>& other,
-                                          const std::vector<std::size_t>& spans) {
+/// The relative errors over each span, `error_of` the pairs of poses that are so many steps apart.
+template <typename ErrorOf>
+std::vector<PoseErrorSummary> span_errors(std::size_t poses, const std::vector<std::size_t>& spans, const ErrorOf& error_of) {
   std::vector<PoseErrorSummary> errors;
-  errors.reserve(spans.size());
-  for (const std::size_t span : spans)
-    errors.push_back(relative_pose_error(estimate, other, pairs_by_steps(other.size(), span)));
+  for (const std::size_t span : spans) errors.push_back(error_of(pairs_by_steps(poses, span)));
   return errors;
-}
-
-/// The estimate and the truth at the poses that are known of the truth.
-template <int Dim>
-std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known_poses(const Table<PoseIndex, Pose<Dim>>& estimate,
-                                                                      const Truth<Dim>& truth) {
-  std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known;
-  for (const PoseIndex p : indices(truth.poses)) {
-    if (!truth.poses[p]) continue;
-    known.first.push_back(estimate[p]);
-    known.second.push_back(*truth.poses[p]);
-  }
-  return known;
 }
 
 template <int Dim>
@@ -105,11 +91,13 @@ template <int Dim>
 void measure(const GlobalMap<Dim>& map, const GlobalMap<Dim>& best, const std::vector<std::size_t>& spans,
              const Truth<Dim>* truth, EstimateFigures& figures) {
   figures.from_best = map_difference(map, best);
-  figures.best_spans = span_errors(map.poses, best.poses, spans);
+  const std::size_t poses = map.poses.size();
+  figures.best_spans =
+      span_errors(poses, spans, [&](const PosePairs& pairs) { return relative_pose_error(map.poses, best.poses, pairs); });
   if (!truth) return;
-  const auto [known, true_poses] = known_poses(map.poses, *truth);
   figures.from_truth =
-      TruthDistance{absolute_trajectory_error(known, true_poses).errors, span_errors(known, true_poses, spans)};
+      TruthDistance{absolute_errors(map, *truth).poses,
+                    span_errors(poses, spans, [&](const PosePairs& pairs) { return relative_errors(map, *truth, pairs); })};
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ std::vector<ComparedCase> compared_cases(const std::vector<int>& poses_per_map);
 /// The distance of a map from the truth, over the poses that are known of it.
 struct TruthDistance {
   PoseErrorSummary absolute;            ///< Absolute trajectory error (ATE), after alignment.
-  std::vector<PoseErrorSummary> spans;  ///< Relative pose errors by Comparison::spans; a span counts known poses.
+  std::vector<PoseErrorSummary> spans;  ///< Relative pose errors by Comparison::spans.
 };
 
 /// The figures of an estimate of the whole log.

@@ -40,6 +40,17 @@ class Certainty : public ::testing::Test {
   TemporaryFolder folder;
 };
 
+TEST_F(Certainty, OfNothingIsUnknown) {
+  const std::string edge = "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n";
+  const std::string log = folder.file("graph.g2o", edge).string();
+  const json median = report_of({"run", log, "--covariances"})["certainty"]["median_deviation"];
+  EXPECT_GT(median["poses"]["in_map"], 0.0);
+  EXPECT_EQ(median["features"], json({{"in_map", nullptr}, {"relative", nullptr}}));
+  EXPECT_THAT(call({"run", log, "--covariances"}).out, HasSubstr("to where they hang (median standard deviations)"));
+  const std::string all_fixed = folder.file("fixed.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nFIX 0 1\n" + edge).string();
+  EXPECT_EQ(report_of({"run", all_fixed, "--covariances"})["certainty"]["median_deviation"]["poses"]["in_map"], nullptr);
+}
+
 TEST_F(Certainty, CovariancesGoIntoTheTablesAndIntoAFileOfTheirOwn) {
   simulate("2", "truth.g2o");
   ASSERT_EQ(call({"run", path("log.g2o"), "-o", path("out"), "--covariances", "--quiet"}).exit_code, 0);

@@ -151,10 +151,49 @@ TEST_F(ErrorCommand, RefusesTheTrajectoryOfOneOfSessionsThatAreUnderWayAtOnce) {
   EXPECT_EQ(errors({"error", of_second("in_turn.csv", 12), tum})["ate"]["translation"]["count"], 5);
 }
 
+TEST_F(ErrorCommand, SaysWhereTheAlignmentLeavesARotationFree) {
+  const std::string line =
+      "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0 0 0 0 1\nVERTEX_SE3:QUAT 2 2 0 0 0 0 0 1\n";
+  const std::string rolled =
+      "VERTEX_SE3:QUAT 0 0 0 0 1 0 0 0\nVERTEX_SE3:QUAT 1 1 0 0 1 0 0 0\nVERTEX_SE3:QUAT 2 2 0 0 1 0 0 0\n";
+  const auto with_feature = [](const std::string& poses, const std::string& y) {
+    return "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\n" + poses + "VERTEX_TRACKXYZ 9 1 " + y +
+           " 0\nEDGE_SE3_TRACKXYZ 1 9 0 0 1 0 1 0 0 1 0 1\n";
+  };
+  const std::string plain = folder.file("plain.g2o", line).string();
+  const std::string truth_of_plain = folder.file("rolled.g2o", rolled).string();
+  const auto free = errors({"error", plain, truth_of_plain});
+  EXPECT_EQ(free["ate"]["translation"]["count"], 3);
+  EXPECT_EQ(free["ate"]["rotation"]["rms"], nullptr);
+  EXPECT_THAT(call({"error", plain, truth_of_plain}).out, HasSubstr("rotations and features unknown: positions"));
+  const std::string seen = folder.file("seen.g2o", with_feature(line, "3")).string();
+  const std::string truth_of_seen = folder.file("seen_rolled.g2o", with_feature(rolled, "-3")).string();
+  const auto known = errors({"error", seen, truth_of_seen});
+  EXPECT_LT(known["ate"]["rotation"]["max"], 1e-7);
+  EXPECT_LT(known["features"]["max"], 1e-9);
+  EXPECT_THAT(call({"error", seen, truth_of_seen}).out, HasSubstr("3 of 3 poses, aligned as a whole, with features: rms"));
+}
+
 TEST_F(ErrorCommand, SpansStayWithinSessions) {
   const std::string two =
       folder.file("two.csv", "session,pose,x,y,phi\n0,1,0,0,0\n0,2,1,0,0\n1,1,9,9,0\n1,2,10,9,0\n").string();
   EXPECT_EQ(errors({"error", two, two, "--spans", "1,2"})["rpe"][0]["translation"]["count"], 2);
+}
+
+TEST_F(ErrorCommand, SpansCountThePosesOfTheMapAlsoWhereTheTruthHasFew) {
+  const std::string run = "pose,x,y,phi\n0,0,0,0\n1,1.1,0,0\n2,2.2,0,0\n3,3.3,0,0\n4,4.4,0,0\n";
+  const std::string few = "pose,x,y,phi\n0,0,0,0\n2,2,0,0\n4,4,0,0\n";
+  const std::vector<std::string> words = {"error", folder.file("run.csv", run).string(), folder.file("few.csv", few).string()};
+  std::vector<std::string> by_metres = words;
+  by_metres.insert(by_metres.end(), {"--spans", "1.1,2.2", "--span-unit", "metres"});
+  std::vector<std::string> by_steps = words;
+  by_steps.insert(by_steps.end(), {"--spans", "1,2"});
+  for (const auto& asked : {by_steps, by_metres}) {
+    const auto rpe = errors(asked)["rpe"];
+    EXPECT_EQ(rpe[0]["translation"]["count"], 0);
+    EXPECT_EQ(rpe[1]["translation"]["count"], 2);
+    EXPECT_NEAR(rpe[1]["translation"]["max"], 0.2, 1e-12);
+  }
 }
 
 TEST_F(ErrorCommand, RunPrintsTheSame) {

@@ -136,6 +136,15 @@ TEST_F(BadInput, ASecondFixedPoseNeedsAValue) {
   expect_failure(call({"run", log.string()}), 3, "pose 2 is fixed beside pose 0, but nothing says where");
 }
 
+TEST(Usage, NamesInBracketsAreNames) {
+  const TemporaryFolder folder;
+  ProcessOptions there;
+  there.working_folder = folder.path();
+  folder.file("[a,b]", kSmallLog);
+  EXPECT_EQ(call({"plot", "[a,b]", "-o", "a.svg"}, there).exit_code, 0);
+  EXPECT_EQ(call({"info", kBundledLog, "[a,b]"}, there).exit_code, 0);
+}
+
 TEST(Usage, EveryViolationIsNamed) {
   const Ended ended =
       call({"run", "log", "--jobs", "none", "--schedule", "forest", "--poses-per-map", "0", "--metres-per-map", "x"});

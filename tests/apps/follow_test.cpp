@@ -271,6 +271,11 @@ TEST_F(Follow, WhatCannotBeFollowedIsSaid) {
   ASSERT_EQ(call({"convert", kBundledLog, isam, "--quiet"}).exit_code, 0);
   expect_failure(call({"run", isam, "--follow", "--idle", "0"}), 3,
                  isam + ": only g2o can be followed, and this is another format; `mapjoin convert " + isam + " LOG.g2o`");
+  folder.file("steps", "of an earlier call\n");
+  EXPECT_EQ(call({"run", isam, "--follow", "--idle", "0", "--steps", path("steps")}).exit_code, 3);
+  EXPECT_EQ(content_of(path("steps")), "of an earlier call\n");
+  EXPECT_EQ(call({"run", kBundledLog, "--follow", "--idle", "0", "--steps", path("steps"), "--quiet"}).exit_code, 0);
+  EXPECT_EQ(content_of(path("steps")).front(), '{') << "emptied at the first step";
   const Ended unfollowed = call({"run", path("none.g2o"), "--idle", "3"});
   EXPECT_EQ(unfollowed.exit_code, 2);
   EXPECT_THAT(unfollowed.err, HasSubstr("--idle is for --follow"));

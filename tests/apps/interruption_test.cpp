@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <apps/process.hpp>
+#include <array>
 #include <chrono>
 #include <iostream>
 #include <tests/apps/command.hpp>
@@ -71,6 +72,32 @@ TEST_F(InterruptedCall, ABuildGoesOnAndEndsWithTheSameBytes) {
   ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("whole"), "--quiet"}).exit_code, 0);
   EXPECT_EQ(content_of(path("maps")), content_of(path("whole")));
   EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"log.g2o", "maps", "whole"}));
+}
+
+/// What there is to read until its end.
+std::string all_of(int descriptor) {
+  std::string text;
+  std::array<char, 4096> bytes;
+  for (::ssize_t count; (count = ::read(descriptor, bytes.data(), bytes.size())) > 0;) {
+    text.append(bytes.data(), static_cast<std::size_t>(count));
+  }
+  return text;
+}
+
+TEST_F(InterruptedCall, OfAFollowedLogASlowReaderGetsTheWholeMap) {
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("whole.g2o"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  Process process(
+      command_line({"run", kBundledLog, "--follow", "--idle", "600", "--steps", path("steps"), "-o", path("pipe")}));
+  while (process.is_running() && !fs::exists(path("steps"))) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  process.send(SIGINT);
+  std::this_thread::sleep_for(std::chrono::seconds(2));  // until the pipe is full
+  ::fcntl(reader, F_SETFL, 0);
+  const std::string map = all_of(reader);
+  ::close(reader);
+  EXPECT_EQ(process.wait(), 0) << process.standard_error();
+  EXPECT_TRUE(map == content_of(path("whole.g2o"))) << map.size();
 }
 
 TEST_F(InterruptedCall, EndsACallThatWaitsForAPipe) {

@@ -255,58 +255,5 @@ TEST_F(Output, AFullDiskIsAnError) {
   EXPECT_EQ(call({"solve", kBundledLog, "-o", "/dev/full"}).exit_code, 5);
 }
 
-TEST_F(Output, GoesThroughAPipeToo) {
-  const std::string run = kCommand + " solve " + kBundledLog + " --quiet -o /dev/stdout | cat > " + path("piped.g2o");
-  Process process({"sh", "-c", run});
-  ASSERT_EQ(process.wait(), 0) << process.standard_error();
-  ASSERT_EQ(call({"solve", kBundledLog, "-o", path("map.g2o")}).exit_code, 0);
-  EXPECT_EQ(content_of(path("piped.g2o")), content_of(path("map.g2o")));
-}
-
-TEST_F(Output, OfARunOnStandardOutputIsTheMap) {
-  const Ended run = call({"run", kBundledLog, "-o", "/dev/stdout"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  ASSERT_EQ(call({"run", kBundledLog, "-o", path("map.g2o")}).exit_code, 0);
-  EXPECT_EQ(run.out, content_of(path("map.g2o")));
-  Process piped({"sh", "-c", kCommand + " run " + kBundledLog + " -o /dev/stdout | cat > " + path("piped.g2o")});
-  ASSERT_EQ(piped.wait(), 0) << piped.standard_error();
-  EXPECT_EQ(content_of(path("piped.g2o")), run.out);
-}
-
-TEST_F(Output, GoesOnBehindWhatStandardOutputHasInIt) {
-  const auto log = folder.file("log.txt", "before\n");
-  Process process({"sh", "-c", kCommand + " solve " + kBundledLog + " --quiet -o /dev/stdout >> " + log.string()});
-  ASSERT_EQ(process.wait(), 0) << process.standard_error();
-  EXPECT_EQ(content_of(log).substr(0, 9), "before\n# ");
-}
-
-TEST_F(Output, OnStandardOutputHasNoSummaryBesideIt) {
-  const std::string log = folder.file("log.g2o", kSmallLog).string();
-  for (std::vector<std::string> words :
-       std::vector<std::vector<std::string>>{{"solve", log, "-o", "/dev/stdout"},
-                                             {"convert", log, "/dev/stdout", "--to", "isam"},
-                                             {"simulate", "--poses", "30", "-o", "/dev/stdout"},
-                                             {"check", log, "-o", "/dev/stdout"},
-                                             {"covariance", log, "1", "-o", "/dev/stdout"}}) {
-    const std::string out = call(words).out;
-    EXPECT_FALSE(out.empty()) << words.front();
-    words.emplace_back("--quiet");
-    EXPECT_EQ(out, call(words).out) << words.front();
-  }
-  EXPECT_TRUE(nlohmann::json::accept(call({"run", log, "--report", "/dev/stdout"}).out));
-  Process piped({"sh", "-c", kCommand + " convert " + log + " /dev/stdout --to isam | " + kCommand + " run /dev/stdin"});
-  EXPECT_EQ(piped.wait(), 0) << piped.standard_error();
-}
-
-TEST_F(Output, AReaderThatHasGoneIsNoError) {
-  ProcessOptions gone;
-  gone.reader_has_gone = true;
-  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", kBundledLog}, {"info", kBundledLog}, {"--help"}}) {
-    const Ended ended = call(arguments, gone);
-    EXPECT_EQ(ended.exit_code, 0);
-    EXPECT_EQ(ended.err, "");
-  }
-}
-
 }  // namespace
 }  // namespace mapjoin::testing

@@ -64,6 +64,17 @@ TEST(WrittenOver, NoInputIsWhatAnOutputIsUntilItIsDone) {
   EXPECT_EQ(content_of(store), kSmallLog);
 }
 
+TEST(WrittenOver, AConvertedStoreIsKnownByItsFormatNotByItsName) {
+  const TemporaryFolder folder;
+  const std::string log = folder.file("out.partial", kSmallLog).string();
+  const std::string out = (folder.path() / "out").string();
+  expect_failure(call({"convert", log, out, "--to", "store"}), 2, "IN " + log + " is what OUT is until it is done");
+  EXPECT_EQ(content_of(log), kSmallLog);
+  const std::string store = folder.file("q.maps.partial", kSmallLog).string();
+  const std::string map = (folder.path() / "q.maps").string();
+  EXPECT_EQ(call({"convert", store, map, "--to", "g2o"}).exit_code, 0) << "no store is written";
+}
+
 TEST(WrittenOver, ALinkToWhatIsYetToComeIsThatFile) {
   const TemporaryFolder folder;
   const auto log = folder.file("log.g2o", kSmallLog).string();

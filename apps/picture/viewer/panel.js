@@ -37,7 +37,7 @@ function fillLayers(viewer) {
 }
 
 const kFigures = (maps, map, m) => [
-  ["poses", `${map.poseKeys[maps.base[m]]} to ${map.poseKeys[maps.end[m]]}`],
+  ["poses", `${keyText(map.poseKeys[maps.base[m]])} to ${keyText(map.poseKeys[maps.end[m]])}`],
   ["features", counted(maps.offsets[m + 1] - maps.offsets[m])],
   ["chi2", figure(maps.chi2[m])],
   ["rows", counted(maps.rows[m])],

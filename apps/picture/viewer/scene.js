@@ -75,17 +75,29 @@ function readScene() {
 
 const robotOf = (map, pose) => (map.robots.length > 0 ? map.robots[pose] : 0);
 
+/// A key in words: as "17" or, if it is a GTSAM symbol, whose top byte is a letter, as "a17".
+function keyText(key) {
+  const letter = String.fromCharCode(Number(key >> 56n));
+  return /[a-zA-Z]/.test(letter) ? letter + BigInt.asUintN(56, key) : String(key);
+}
+
+/// The key that a word is: a number, or a GTSAM symbol.
+function keyOf(word) {
+  const isSymbol = /^[a-zA-Z]/.test(word);
+  return isSymbol ? (BigInt(word.charCodeAt(0)) << 56n) | BigInt(word.slice(1)) : BigInt(word);
+}
+
 /// The name of a pose, as "pose 17" or "pose 17 of session 2".
 function poseName(map, pose) {
   const robot = robotOf(map, pose);
-  return `pose ${map.poseKeys[pose]}` + (robot === 0 ? "" : ` of session ${robot}`);
+  return `pose ${keyText(map.poseKeys[pose])}` + (robot === 0 ? "" : ` of session ${robot}`);
 }
 
-/// The first pose of an id in words, as "17" or "17 of session 2": its map and index; undefined if there is none.
+/// The first pose of an id in words, as "17", "a17" or "17 of session 2": its map and index; undefined if there is none.
 function poseOfId(scene, words) {
-  const numbers = words.match(/\d+/g);
-  if (!numbers) return undefined;
-  const [id, robot] = numbers.map(BigInt);
+  const found = words.match(/\b[a-zA-Z]?\d+\b/g);
+  if (!found) return undefined;
+  const [id, robot] = found.map(keyOf);
   const isOfRobot = (map, pose) => robot === undefined || BigInt(robotOf(map, pose)) === robot;
   for (const map of scene.maps) {
     const index = map.poseKeys.findIndex((key, pose) => key === id && isOfRobot(map, pose));
@@ -94,7 +106,7 @@ function poseOfId(scene, words) {
   return undefined;
 }
 
-const featureName = (map, feature) => `feature ${map.featureKeys[feature]}`;
+const featureName = (map, feature) => `feature ${keyText(map.featureKeys[feature])}`;
 
 /// The local map that starts at or contains each pose, or else one that ends there; -1 if there is none.
 function localMapOfPoses(map) {

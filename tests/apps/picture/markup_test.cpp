@@ -7,6 +7,21 @@
 namespace mapjoin::apps {
 namespace {
 
+TEST(Escaped, HasEntitiesForWhatMarkupIsMadeOf) {
+  EXPECT_EQ(escaped("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;");
+  EXPECT_EQ(escaped("\u00e9 \u20ac \U0001F600\t\n"), "\u00e9 \u20ac \U0001F600\t\n");
+}
+
+TEST(Escaped, HasAReplacementForWhatNoTextIs) {
+  EXPECT_EQ(escaped("a\xe9.g2o"), "a\uFFFD.g2o");
+  EXPECT_EQ(escaped(std::string_view("\0\x1b\x7f", 3)), "\uFFFD\uFFFD\uFFFD");
+  EXPECT_EQ(escaped("\xc3"), "\uFFFD") << "cut short";
+  EXPECT_EQ(escaped("\xe2\x82"), "\uFFFD\uFFFD") << "cut short";
+  EXPECT_EQ(escaped("\xc0\xaf"), "\uFFFD\uFFFD") << "longer than need be";
+  EXPECT_EQ(escaped("\xed\xa0\x80"), "\uFFFD\uFFFD\uFFFD") << "a surrogate";
+  EXPECT_EQ(escaped("\xf4\x90\x80\x80"), "\uFFFD\uFFFD\uFFFD\uFFFD") << "beyond U+10FFFF";
+}
+
 TEST(Base64, IsAsInRfc4648) {
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");

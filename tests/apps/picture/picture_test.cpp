@@ -57,6 +57,19 @@ TEST(Picture, IsBoundedHoweverLargeTheMap) {
   EXPECT_LT(picture({many}).size(), 500'000U);
 }
 
+TEST(Picture, OfVeryManyLocalMapsNoneIsLeftOut) {
+  Layer maps{"maps", {"red", "blue"}, {}, {}, {}};
+  for (int k = 0; k < 12'000; ++k) maps.lines.push_back({{1.0 * k, 0.0}, {k + 0.5, 0.5}, {k + 1.0, 0.0}});
+  const std::string svg = picture({maps}, 100'080.0);
+  EXPECT_LT(svg.size(), 500'000U);
+  double covered = 0.0;
+  for (std::size_t at = svg.find('M'); at != std::string::npos; at = svg.find('M', at + 1)) {
+    const std::string line = svg.substr(at + 1, svg.find_first_of("M\"", at + 1) - at - 1);
+    if (line.find(',') != std::string::npos) covered += std::stod(line.substr(line.rfind(' ') + 1)) - std::stod(line);
+  }
+  EXPECT_NEAR(covered, 100'000.0, 1.0) << "pixels";
+}
+
 TEST(Picture, HoldsWhatIsFramedAndCutsTheRest) {
   const auto scale_of = [](const std::string& svg) { return svg.substr(svg.find(" m</text>") - 4, 4); };
   const Layer near = line("near", "red", spiral(10));
@@ -71,6 +84,12 @@ TEST(Picture, OfNothingIsOneMetre) {
   const std::string svg = picture({line("still", "red", FlatLine(3, Point<2>::Zero()))});
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
   EXPECT_THAT(svg, HasSubstr("0.2 m</text>"));
+}
+
+TEST(Picture, APathOfOnePoseIsADot) {
+  const std::string svg = picture({line("one", "red", {{0.0, 0.0}}), line("far", "blue", {{-1.0, 0.0}, {1.0, 0.0}})}, 480.0);
+  EXPECT_THAT(svg, HasSubstr("<path d=\"M240.0,40.0h0\" fill=\"none\" stroke=\"red\""));
+  EXPECT_THAT(svg, HasSubstr("stroke-linecap=\"round\""));
 }
 
 TEST(Picture, AnEllipseIsWhereTheMahalanobisDistanceIsSoMany) {

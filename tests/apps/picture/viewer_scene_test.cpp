@@ -46,6 +46,22 @@ TEST_F(ViewerPage, FindsAPoseOfASession) {
   EXPECT_EQ(found["none"]["text"], "There is no pose 7 of session 1.");
 }
 
+TEST_F(ViewerPage, NamesAndFindsGtsamSymbols) {
+  apps::PlottedMap<2> plotted = two_poses();
+  plotted.map.pose_ids[0] = {0, *parse_key("x17")};
+  plotted.map.feature_ids = {{*parse_key("l3")}};
+  plotted.map.features = {{9.0, 18.0}};
+  const Json found = found_on(apps::viewer_page<2>({{plotted}, std::nullopt}, "symbols"),
+                              "{at: find('x17'), number: find('" + std::to_string(*parse_key("x17")) +
+                                  "'), other: find('7 of session 2'), none: find('y17'), feature: tipOver(9, 18)}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_THAT(found["at"]["tip"].get<std::string>(), HasSubstr("pose x17"));
+  EXPECT_EQ(found["number"]["tip"], found["at"]["tip"]);
+  EXPECT_THAT(found["other"]["tip"].get<std::string>(), HasSubstr("pose 7 of session 2"));
+  EXPECT_EQ(found["none"]["text"], "There is no pose y17.");
+  EXPECT_THAT(found["feature"].get<std::string>(), HasSubstr("feature l3"));
+}
+
 TEST_F(ViewerPage, DrawsRejectedLinksApartAndDashed) {
   apps::PlottedMap<2> plotted = two_poses();
   plotted.map.feature_ids = {{5}};
