@@ -76,6 +76,8 @@ void CommandRun::prepare(const NamedFiles& outputs) {
   check_writable(outputs);
   if (options_.truth.empty()) return;
   truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth); });
+  const auto is_associated = [](const std::filesystem::path& input) { return has_extra_file(Extra::kAssociations, input); };
+  if (options_.association || std::ranges::any_of(inputs(), is_associated)) truth_->leave_features_out();
 }
 
 void CommandRun::check_interrupted() const {
@@ -101,6 +103,7 @@ void CommandRun::take(RunResult<Dim>& result) {
   run_report.describe(result);
   certify(result);
   if (truth_) run_report.errors = errors_of(result.map, *truth_);
+  run_report.truth_without_features = truth_ && truth_->leaves_features_out();
   check_interrupted();
 }
 

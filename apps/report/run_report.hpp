@@ -111,6 +111,7 @@ struct RunReport {
   std::optional<Deviations> deviations;    ///< Medians of standard deviations, if there are marginals.
   std::optional<Consistency> consistency;  ///< Consistency with the truth, if given.
   std::optional<TruthErrors> errors;       ///< Errors against the truth, if given.
+  bool truth_without_features = false;     ///< True if `--associate` named its features, or those of the map.
   double read_seconds = 0.0;
   double write_seconds = 0.0;
   std::vector<std::string> files;  ///< Files written, in their order.

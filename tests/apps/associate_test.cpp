@@ -16,7 +16,9 @@
 namespace mapjoin::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class AssociateCommandTest : public ::testing::Test {
@@ -70,6 +72,24 @@ TEST_F(AssociateCommandTest, WithRobustIsNotMisledByAWrongClosure) {
   EXPECT_EQ(report["association"]["features"], 145);
   EXPECT_EQ(report["robust"]["closures"], 1);
   EXPECT_EQ(report["verdict"], "fits");
+}
+
+TEST_F(AssociateCommandTest, ComparesNoFeaturesWithThoseOfATruth) {
+  ASSERT_EQ(call({"simulate", "--poses", "60", "--quiet", "-o", file("log.g2o"), "--truth", file("truth.g2o")}).exit_code, 0);
+  const std::string said = "--associate named the features of the map, or of the truth: only poses are compared with it\n";
+  const Ended named = call({"run", file("log.g2o"), "--truth", file("truth.g2o"), "-o", file("named")});
+  EXPECT_THAT(named.out, AllOf(HasSubstr("NEES         features"), Not(HasSubstr(said))));
+  const Ended run = call({"run", file("log.g2o"), "--associate", "--truth", file("truth.g2o"), "-o", file("result")});
+  EXPECT_THAT(run.out, AllOf(HasSubstr("NEES         poses"), Not(HasSubstr("NEES         features")), HasSubstr(said)));
+  ASSERT_EQ(call({"build", file("log.g2o"), "--associate", "--quiet", "-o", file("log.maps")}).exit_code, 0);
+  EXPECT_THAT(call({"join", file("log.maps"), "--truth", file("truth.g2o")}).out,
+              AllOf(Not(HasSubstr("NEES         features")), HasSubstr(said)));
+  for (const std::string map : {"result", "result/map.g2o"}) {
+    const Ended error = call({"error", file(map), file("truth.g2o")});
+    EXPECT_THAT(error.out, AllOf(HasSubstr("ATE          60 of 60 poses"), Not(HasSubstr("\nfeatures")), HasSubstr(said)));
+    EXPECT_THAT(call({"plot", file(map), "--truth", file("truth.g2o"), "--quiet", "-o", file("plot.svg")}).err,
+                HasSubstr("truth.g2o: its features are not drawn: --associate named them"));
+  }
 }
 
 TEST_F(AssociateCommandTest, WritesTheSameWithAnyNumberOfJobs) {
