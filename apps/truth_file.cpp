@@ -160,9 +160,9 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart)
   content_ = with_values(mapjoin::read_log(bytes.view(), path_, {}).value(), path_);
 }
 
-bool TruthFile::leaves_features_out() const {
+bool TruthFile::has_features() const {
   const auto* log = std::get_if<AnyLog>(&content_);
-  return !takes_features_ && log && std::visit([](const auto& any) { return !any.initial.features.empty(); }, *log);
+  return log && std::visit([](const auto& any) { return !any.initial.features.empty(); }, *log);
 }
 
 void TruthFile::demand_counts() const {

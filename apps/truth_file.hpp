@@ -66,7 +66,9 @@ class TruthFile {
   /// Compares no features from now on: `--associate` named those of the map, as those of no other map.
   void leave_features_out() { takes_features_ = false; }
   /// True if the truth has features that are not compared: `--associate` named them, or those of the map.
-  bool leaves_features_out() const;
+  bool leaves_features_out() const { return has_features() && !takes_features_; }
+  /// True if the truth has features, which are compared.
+  bool compares_features() const { return has_features() && takes_features_; }
 
   /// The truth of a map or of a log with these names: by name or, for the poses of a trajectory, by time stamp or, if it or the
   /// map has none, by count. kUsage if the dimensions differ, and as for by_time() and count_among().
@@ -84,6 +86,7 @@ class TruthFile {
   std::vector<std::pair<PoseIndex, PoseIndex>> relations(const PoseIds& poses) const;
 
  private:
+  bool has_features() const;
   void demand_counts() const;
   /// The poses that were found by time; fails with what by_time() says, and the remedy.
   template <typename Found>

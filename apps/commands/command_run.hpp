@@ -68,6 +68,9 @@ class CommandRun {
   /// A log with the times that the options give its poses.
   Expected<AnyLog> stamped(AnyLog any) const;
 
+  /// Takes the errors of a map against a truth into the report.
+  template <int Dim>
+  void measure(const GlobalMap<Dim>& map, const TruthFile& truth, const ErrorOptions& options = {});
   /// Takes a result into the report, with its certainty; kInterrupted if a stop was requested.
   template <int Dim>
   void take(RunResult<Dim>& result);

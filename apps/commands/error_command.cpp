@@ -43,9 +43,9 @@ ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop
   TruthFile truth(options.true_map, options.most_apart);
   if (is_trajectory_file(options.input)) truth.take_map_for_trajectory();
   if (has_extra_file(Extra::kAssociations, options.input)) truth.leave_features_out();
-  command_run.run_report.truth_without_features = truth.leaves_features_out();
-  const auto errors_in = [&](auto&& log) { return errors_of(map_of(std::move(log)), truth, options.errors); };
-  const TruthErrors errors = std::visit(errors_in, command_run.read_log());
+  const auto measure = [&](auto&& log) { command_run.measure(map_of(std::move(log)), truth, options.errors); };
+  std::visit(measure, command_run.read_log());
+  const TruthErrors& errors = *command_run.run_report.errors;
   if (errors.absolute.translation.count == 0) {
     const bool has_stamps = command_run.run_report.has_stamps;
     fail(ErrorKind::kBadInput,

@@ -198,13 +198,7 @@ std::size_t unmentioned(const Log<Dim>& log) {
 template <int Dim>
 void tell_numbering(const Log<Dim>& log, const Room& room, std::vector<std::string>& lost) {
   const auto numbering = number_for_g2o(log.poses, room.one_numbering ? log.features : FeatureIds());
-  if (!numbering) return;  // The writer says why.
-  if (numbering->session_step > 0) {
-    lost.push_back(fmt::format("poses of session n are numbered from n times {} on", numbering->session_step));
-  }
-  if (numbering->feature_offset > 0) {
-    lost.push_back(fmt::format("features are numbered from {} on, apart from poses", numbering->feature_offset));
-  }
+  if (numbering) std::ranges::move(in_words(*numbering), std::back_inserter(lost));  // Otherwise the writer says why.
 }
 
 template <int Dim>
