@@ -85,8 +85,7 @@ constexpr std::string_view kOwnInformation =
 
 /// kUsage if the options turn information matrices of a text that says itself that they are in the conventions used inside.
 Expected<void> check_conventions(const TextScanner& text, const ReadOptions& options) {
-  const bool are_own = options.pose_error == PoseError::kPaper && options.rotation_information == RotationInformation::kVector;
-  if (are_own || text.left().find(kOwnInformation) == std::string_view::npos) return {};
+  if (!options.turns_information() || text.left().find(kOwnInformation) == std::string_view::npos) return {};
   return tl::unexpected(Error{ErrorKind::kUsage, text.source() +
                                                      ": says what its information matrices weigh, as files that mapjoin wrote "
                                                      "do; leave --g2o-error and --rotation-information out"});
