@@ -48,7 +48,7 @@ ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop
   const TruthErrors& errors = *command_run.run_report.errors;
   if (errors.absolute.translation.count == 0) {
     const bool has_stamps = command_run.run_report.has_stamps;
-    fail(ErrorKind::kBadInput,
+    fail(ErrorKind::kUsage,
          options.true_map.string() +
              (has_stamps
                   ? ": has no pose of the map, neither by name nor by time; --max-time-difference widens the match of times"

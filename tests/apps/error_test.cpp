@@ -115,7 +115,7 @@ TEST_F(ErrorCommand, KnowsTheTimesInTheFolderOfARun) {
 
 TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const Ended none = call({"error", map, folder.file("other.g2o", "VERTEX_SE2 9 0 0 0\n").string()});
-  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_EQ(none.exit_code, 2);
   EXPECT_THAT(none.err, HasSubstr("other.g2o: has no pose of the map, neither by name nor by count; where it has times"));
   const std::string table = folder.file("table.csv", "pose,x,y,phi,stamp_ns\n4,0,0,0,10000000000\n").string();
   EXPECT_THAT(call({"error", table, folder.file("late.tum", "20.5 0 0 0 0 0 0 1\n").string()}).err,
