@@ -170,8 +170,8 @@ void TruthFile::demand_counts() const {
   const auto is_count = [](const StampedPose& line) { return line.time == std::floor(line.time); };
   if (!trajectory || std::ranges::all_of(*trajectory, is_count)) return;
   fail(ErrorKind::kUsage, path_ +
-                              ": has times, and the poses of the map have none; --stamps gives a log's, and the folder "
-                              "of a run has them");
+                              ": has times, and the poses of the map have none; `mapjoin run LOG --stamps FILE` gives "
+                              "them, and its folder keeps them");
 }
 
 template <typename Found>

@@ -126,8 +126,8 @@ TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const Ended no_times = call({"error", map, timed});
   EXPECT_EQ(no_times.exit_code, 2);
   EXPECT_THAT(no_times.err,
-              HasSubstr("timed.tum: has times, and the poses of the map have none; --stamps gives a log's, and the folder "
-                        "of a run has them\n"));
+              HasSubstr("timed.tum: has times, and the poses of the map have none; `mapjoin run LOG --stamps FILE` gives "
+                        "them, and its folder keeps them\n"));
   const std::string out = (folder.path() / "out").string();
   EXPECT_THAT(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", out, "--truth", timed}).err,
               HasSubstr("timed.tum: has times"));
