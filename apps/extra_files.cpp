@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <apps/extra_files.hpp>
 #include <array>
+#include <mapjoin/io/run_folder.hpp>
 #include <system_error>
 
 namespace mapjoin::apps {
@@ -16,6 +17,10 @@ constexpr auto kExtraFiles =
                               {Extra::kInliers, "--robust", "inliers.g2o", nullptr},
                               {Extra::kGeographic, "--gps", "poses.geographic.csv", ".geographic.csv"},
                               {Extra::kGeoJson, "--gps", "map.geojson", ".geojson"}});
+
+const ExtraFile& row_of(Extra extra) {
+  return *std::ranges::find(kExtraFiles, extra, &ExtraFile::extra);
+}
 
 bool is_asked(Extra extra, const Options& options) {
   switch (extra) {
@@ -52,7 +57,16 @@ std::vector<ExtraFile> files_beside(const Options& options, bool has_covariances
 }
 
 fs::path extra_file(Extra extra, const fs::path& map) {
-  return fs::path(map).replace_extension(std::ranges::find(kExtraFiles, extra, &ExtraFile::extra)->beside);
+  return fs::path(map).replace_extension(row_of(extra).beside);
+}
+
+bool has_extra_file(Extra extra, const fs::path& map) {
+  std::error_code ignored;
+  const char* const in_folder = row_of(extra).in_folder;
+  if (fs::is_directory(map, ignored)) return fs::is_regular_file(map / in_folder, ignored);
+  const std::string name = map.filename().string();
+  const bool is_of_run = name == kMapOfRun || is_extra_of_run(name);
+  return fs::is_regular_file(is_of_run ? map.parent_path() / in_folder : extra_file(extra, map), ignored);
 }
 
 bool is_extra_of_run(const std::string& name) {

@@ -24,6 +24,9 @@ std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances 
 std::vector<ExtraFile> files_beside(const Options& options, bool has_covariances = true);
 /// The path of an extra file beside a map of one file: `map.covariances.json` beside `map.g2o`.
 std::filesystem::path extra_file(Extra extra, const std::filesystem::path& map);
+/// True if the map at this path has such an extra file: in the folder of its run, whether the path is that or a file of it, or
+/// beside the map of one file, or the store.
+bool has_extra_file(Extra extra, const std::filesystem::path& map);
 /// True if a file of this name in the folder of a run is an extra file.
 bool is_extra_of_run(const std::string& name);
 /// Files that are named like extra files beside a map of one file, but are not among `written`: an earlier call left them.

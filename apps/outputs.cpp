@@ -205,6 +205,11 @@ bool names_map_file(const fs::path& path) {
   return is_stream(path) || (is_map && !fs::is_directory(path, ignored));
 }
 
+bool is_written_as_g2o(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  return extension != ".tum" && extension != ".csv" && extension != ".mat";
+}
+
 bool goes_by_extension(const fs::path& path) {
   std::error_code ignored;
   return path.has_extension() && !is_stream(path) && !fs::is_directory(path, ignored);
@@ -280,10 +285,10 @@ std::vector<fs::path> map_files(const fs::path& path) {
 
 template <int Dim>
 Expected<void> write_map_file(const GlobalMap<Dim>& map, const Log<Dim>* log, const fs::path& path) {
+  if (is_written_as_g2o(path)) return write_g2o(map, log, path);
   const std::vector<fs::path> files = map_files(path);
   if (files.size() > 1) return write_csv(map, files[0], files[1]);
-  if (extension_of(path) == ".mat") return write_mat_map(map, path);
-  return extension_of(path) == ".tum" ? write_tum(map, path) : write_g2o(map, log, path);
+  return extension_of(path) == ".mat" ? write_mat_map(map, path) : write_tum(map, path);
 }
 
 template Expected<void> write_map_file(const GlobalMap<2>&, const Log<2>*, const fs::path&);

@@ -62,6 +62,9 @@ std::string extension_of(const std::filesystem::path& path);
 /// is a device, a pipe or standard output.
 bool names_map_file(const std::filesystem::path& path);
 
+/// True if a map of one file is written as g2o there: where the extension is of no other format.
+bool is_written_as_g2o(const std::filesystem::path& path);
+
 /// True if the extension of a path says what is to be written there: it has one, and is no existing folder, device or pipe.
 bool goes_by_extension(const std::filesystem::path& path);
 

@@ -46,8 +46,8 @@ std::set<std::string> options_in(const std::string& sentence) {
   return options;
 }
 
-/// The sentence, followed by the commands that have the options which it offers and the chosen command lacks; unchanged if it
-/// names a command.
+/// The sentence, followed by the commands that have the options which it offers and the chosen command lacks; after a run with
+/// them its folder can be given in the place of the log. Unchanged if it names a command.
 std::string with_owners(std::string sentence, const Subcommand& chosen, const CommandLine& line) {
   if (sentence.find("`mapjoin ") != sentence.npos) return sentence;
   std::map<std::string, std::vector<std::string>> lacking;  // by the command that has them
@@ -57,8 +57,9 @@ std::string with_owners(std::string sentence, const Subcommand& chosen, const Co
     if (!chosen.has(option) && owner != line.commands.end()) lacking[(*owner)->name()].push_back(option);
   }
   for (const auto& [owner, options] : lacking) {
-    sentence += fmt::format("; {} {} with `{} {}`", fmt::join(options, " and "), options.size() == 1 ? "goes" : "go",
-                            line.app->get_name(), owner);
+    const char* const then = owner == "run" ? " -o DIR`, and DIR can be given here" : "`";
+    sentence += fmt::format("; {} {} with `{} {}{}", fmt::join(options, " and "), options.size() == 1 ? "goes" : "go",
+                            line.app->get_name(), owner, then);
   }
   return sentence;
 }

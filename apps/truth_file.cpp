@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <apps/exit_code.hpp>
+#include <apps/extra_files.hpp>
 #include <apps/outputs.hpp>
 #include <apps/truth_file.hpp>
 #include <cmath>
@@ -139,7 +140,8 @@ bool is_trajectory_file(const std::filesystem::path& path) {
   return is_tum_line(text) || is_kitti_line(text);
 }
 
-TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : path_(path.string()), most_apart_(most_apart) {
+TruthFile::TruthFile(const std::filesystem::path& path, double most_apart)
+    : path_(path.string()), most_apart_(most_apart), takes_features_(!has_extra_file(Extra::kAssociations, path)) {
   if (is_run_folder(path)) {
     content_ = with_values(open_log(path).value(), path_);
     return;
@@ -158,13 +160,18 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : pat
   content_ = with_values(mapjoin::read_log(bytes.view(), path_, {}).value(), path_);
 }
 
+bool TruthFile::has_features() const {
+  const auto* log = std::get_if<AnyLog>(&content_);
+  return log && std::visit([](const auto& any) { return !any.initial.features.empty(); }, *log);
+}
+
 void TruthFile::demand_counts() const {
   const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_);
   const auto is_count = [](const StampedPose& line) { return line.time == std::floor(line.time); };
   if (!trajectory || std::ranges::all_of(*trajectory, is_count)) return;
   fail(ErrorKind::kUsage, path_ +
-                              ": has times, and the poses of the map have none; --stamps gives a log's, and the folder "
-                              "of a run has them");
+                              ": has times, and the poses of the map have none; `mapjoin run LOG --stamps FILE` gives "
+                              "them, and its folder keeps them");
 }
 
 template <typename Found>
@@ -199,8 +206,8 @@ Table<PoseIndex, std::optional<Pose<Dim>>> TruthFile::poses_in(const Log<Dim>& t
 template <int Dim>
 Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
+  const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
-    const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
     if (has_times_ && !stamps_ns.empty()) {
       return {told(by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_), kSessionsByTable), no_features};
     }
@@ -209,7 +216,8 @@ Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
   }
   const auto* log = std::get_if<Log<Dim>>(&std::get<AnyLog>(content_));
   if (!log) fail(ErrorKind::kUsage, fmt::format("{}: the truth is not in {}D, as the map is", path_, Dim));
-  return {poses_in(*log, poses, stamps_ns), by_name(log->features, log->initial.features, features)};
+  return {poses_in(*log, poses, stamps_ns),
+          takes_features_ ? by_name(log->features, log->initial.features, features) : no_features};
 }
 
 std::vector<std::pair<PoseIndex, PoseIndex>> TruthFile::relations(const PoseIds& poses) const {

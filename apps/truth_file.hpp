@@ -63,6 +63,13 @@ class TruthFile {
   /// are found by time stamp or, if one of them has none, by count.
   void take_map_for_trajectory() { is_map_trajectory_ = true; }
 
+  /// Compares no features from now on: `--associate` named those of the map, as those of no other map.
+  void leave_features_out() { takes_features_ = false; }
+  /// True if the truth has features that are not compared: `--associate` named them, or those of the map.
+  bool leaves_features_out() const { return has_features() && !takes_features_; }
+  /// True if the truth has features, which are compared.
+  bool compares_features() const { return has_features() && takes_features_; }
+
   /// The truth of a map or of a log with these names: by name or, for the poses of a trajectory, by time stamp or, if it or the
   /// map has none, by count. kUsage if the dimensions differ, and as for by_time() and count_among().
   template <int Dim>
@@ -79,6 +86,7 @@ class TruthFile {
   std::vector<std::pair<PoseIndex, PoseIndex>> relations(const PoseIds& poses) const;
 
  private:
+  bool has_features() const;
   void demand_counts() const;
   /// The poses that were found by time; fails with what by_time() says, and the remedy.
   template <typename Found>
@@ -92,6 +100,7 @@ class TruthFile {
   std::variant<AnyLog, std::vector<StampedPose>> content_;
   bool has_times_ = false;          ///< True for a trajectory whose lines begin with more than a count.
   bool is_map_trajectory_ = false;  ///< Set by take_map_for_trajectory().
+  bool takes_features_ = true;      ///< False if names of features are those of `--associate`.
   PoseIds counted_;                 ///< Set by count_among().
 };
 

@@ -49,15 +49,9 @@ std::string cell_in_words(const BasinCell& cell) {
   return fmt::format("{} ({}){}", rate, typical_iterations(cell), misses_in_words(cell));
 }
 
-/// The local maps of a cell, as --poses-per-map and its like name them: "20", "auto", "10 m", "15 features"; nullopt for full
-/// SLAM and for maps that were cut before.
+/// The splitting of a cell; nullopt for full SLAM and for maps that were cut before.
 std::optional<std::string> split_in_words(const BasinCell& cell) {
-  if (!cell.split) return std::nullopt;
-  if (cell.split->rule == SplitRule::kAuto) return "auto";
-  const char* const unit = cell.split->rule == SplitRule::kDistance   ? " m"
-                           : cell.split->rule == SplitRule::kFeatures ? " features"
-                                                                      : "";
-  return fmt::format("{:g}{}", cell.split->amount, unit);
+  return cell.split ? std::optional(in_words(*cell.split)) : std::nullopt;
 }
 
 Json json_of(const BasinCell& cell, std::size_t k) {
@@ -87,7 +81,7 @@ Json json_of(const BasinCell& cell) {
 
 /// The input and the best chi2 known; then a row per covariance, formulation, split and method and a column per start, as in
 /// the paper's Table I.
-std::string table_of(const Basin& basin, const RunReport& run_report) {
+std::string table_of(const Basin& basin, const RunReport& run_report, const std::vector<std::string>& notes) {
   Lines lines;
   add_input(run_report, lines);
   for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
@@ -96,6 +90,7 @@ std::string table_of(const Basin& basin, const RunReport& run_report) {
   }
   add_convention(run_report, lines);
   lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
+  for (const std::string& note : notes) lines.add("note", note);
   ReportTable table;
   for (const char* heading : {"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}) {
     table.columns.push_back({heading, heading});
@@ -125,7 +120,7 @@ std::string csv_of(const Json& cells) {
   return csv(table);
 }
 
-StudyOutput basin_output(const Basin& basin, const RunReport& run_report) {
+StudyOutput basin_output(const Basin& basin, const RunReport& run_report, const std::vector<std::string>& notes) {
   Json report = report_head(run_report);
   for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
     report["best_chi2"][to_string(basin.covariances[c])] = basin.best_chi2[c];
@@ -134,7 +129,7 @@ StudyOutput basin_output(const Basin& basin, const RunReport& run_report) {
   for (const BasinCell& cell : basin.cells) report["cells"].push_back(json_of(cell));
   report["seconds"] = run_report.total_seconds();
   const std::string json = text_of(report);
-  return {table_of(basin, run_report), json, {{"basin.csv", csv_of(report["cells"])}, {"basin.json", json}}};
+  return {table_of(basin, run_report, notes), json, {{"basin.csv", csv_of(report["cells"])}, {"basin.json", json}}};
 }
 
 ExitCode run_basin(const BasinRequest& asked, const std::stop_token& stop) {
@@ -143,15 +138,18 @@ ExitCode run_basin(const BasinRequest& asked, const std::stop_token& stop) {
   command_run.prepare(report_of(asked));
   BasinOptions options = asked.basin;
   options.progress = command_run.progress().count("solves");
+  std::vector<std::string> notes;
   const Basin found = command_run.with_log_or_maps([&](const auto& data) {
     if constexpr (requires { data.log; }) {
       return basin(data.log, split_along(data.log, data.segments), options, stop).value();
     } else {
-      return basin(data, options, stop).value();
+      Basin all = basin(data, options, stop).value();
+      if constexpr (requires { data.observations(); }) notes = notes_on_splits(data, options.splits);
+      return all;
     }
   });
   command_run.check_interrupted();
-  command_run.hand_over(basin_output(found, command_run.run_report), folder);
+  command_run.hand_over(basin_output(found, command_run.run_report, notes), folder);
   return ExitCode::kDone;
 }
 

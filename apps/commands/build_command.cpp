@@ -98,11 +98,6 @@ void declare_build(Subcommand& command) {
     return unfinished_store_conflicts(files, "--output", options->output);
   });
   command.check([options, &command] { return check_uncut(command, *options); });
-  command.check([options]() -> std::vector<std::string> {
-    const bool has_times = !options->stamps.empty() || options->ids_are_nanoseconds;
-    if (!has_times || !may_hold_maps(options->input)) return {};
-    return {"--stamps and --ids-are-nanoseconds are for a log: local maps have no times"};
-  });
   command.act([options](const std::stop_token& stop) { return build_input(*options, stop); });
 }
 

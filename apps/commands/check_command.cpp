@@ -84,24 +84,6 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const SubmapSet<Dim>&
   })};
 }
 
-/// The verdict as a finding: the misfits, the worst first, or that nothing can be tested.
-Finding verdict_on(const RunReport& run_report) {
-  const GoodnessOfFit& fit = run_report.figures.fit;
-  if (fit.verdict == Verdict::kUntested) {
-    return {FindingLevel::kNote, "untested", "nothing here can be tested: " + why_untested(run_report), {}};
-  }
-  Finding finding{FindingLevel::kWarning, "misfit", "", {}};
-  for (const NamedMisfit& misfit : run_report.misfits) finding.where.names.push_back(in_words(misfit));
-  finding.where.count = run_report.misfits.size();
-  if (run_report.misfits.empty()) {
-    finding.text = scales_in_words(run_report);
-    return finding;
-  }
-  finding.text = fmt::format("out of line with the rest: {} of {} measurements{}", finding.where.count, fit.parts,
-                             fit.is_complete ? "" : ", and perhaps others, which show without these");
-  return finding;
-}
-
 /// A finding if positions are not known to a tenth of the map's size.
 template <int Dim>
 Findings check_certainty(const RunResult<Dim>& result) {
@@ -144,9 +126,7 @@ void fit_joined(CommandRun& command_run, const Content& content, Checked& checke
   if (const auto apart = command_run.features_apart(content, *result)) {
     checked.findings.push_back({FindingLevel::kWarning, "other_features", *apart, {}});
   }
-  if (result->fit.verdict == Verdict::kUntested || result->fit.verdict == Verdict::kMisfit) {
-    checked.findings.push_back(verdict_on(command_run.run_report));
-  }
+  checked.add(verdict_findings(command_run.run_report));
   checked.add(check_certainty(*result));
   take_fits(fits_in(*result, content), result->dof, checked);
 }

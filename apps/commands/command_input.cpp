@@ -19,6 +19,24 @@
 namespace mapjoin::apps {
 namespace {
 
+/// Refuses options that say how a log is read, for local maps.
+void demand_none_of_logs(const std::string& input, const Options& options) {
+  const ReadOptions& read = options.read;
+  const std::pair<const char*, bool> of_logs[] = {
+      {"--g2o-error", read.pose_error != PoseError::kPaper},
+      {"--rotation-information", read.rotation_information != RotationInformation::kVector},
+      {"--from", read.from.has_value()},
+      {"--skip-unknown", read.skip_unknown},
+      {"--skip-self-edges", read.skip_self_edges},
+      {"--skip-undeclared", read.undeclared == Undeclared::kSkipped},
+      {"--identity-where-missing", read.identity_where_missing},
+      {"--stamps", !options.stamps.empty()},
+      {"--ids-are-nanoseconds", options.ids_are_nanoseconds}};
+  for (const auto& [option, is_asked] : of_logs) {
+    if (is_asked) fail(ErrorKind::kUsage, fmt::format("{}: holds local maps, and {} is for a log", input, option));
+  }
+}
+
 /// Refuses other weights than those that a store names: its maps are built with them.
 template <int Dim>
 void take_weights(const Options& options, StoredMaps<Dim>& stored) {
@@ -147,6 +165,7 @@ Expected<AnyLog> CommandRun::stamped(AnyLog any) const {
 }
 
 AnyMaps CommandRun::read_maps() {
+  demand_none_of_logs(run_report.input, options_);
   return take_input(
       timed(run_report.read_seconds, [&] { return open_several_maps(inputs(), options_.read, options_.merging); }).value());
 }

@@ -12,6 +12,7 @@
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/g2o/numbering.hpp>
 #include <mapjoin/join/association/frames/name_fit.hpp>
 #include <utility>
 
@@ -77,6 +78,8 @@ void CommandRun::prepare(const NamedFiles& outputs) {
   check_writable(outputs);
   if (options_.truth.empty()) return;
   truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth); });
+  const auto is_associated = [](const std::filesystem::path& input) { return has_extra_file(Extra::kAssociations, input); };
+  if (options_.association || std::ranges::any_of(inputs(), is_associated)) truth_->leave_features_out();
 }
 
 void CommandRun::check_interrupted() const {
@@ -98,10 +101,17 @@ void CommandRun::certify(RunResult<Dim>& result) {
 }
 
 template <int Dim>
+void CommandRun::measure(const GlobalMap<Dim>& map, const TruthFile& truth, const ErrorOptions& options) {
+  run_report.errors = errors_of(map, truth, options);
+  run_report.truth_without_features = truth.leaves_features_out();
+  if (truth.compares_features()) run_report.features_not_in_truth = map.features.size() - run_report.errors->known_features;
+}
+
+template <int Dim>
 void CommandRun::take(RunResult<Dim>& result) {
   run_report.describe(result);
   certify(result);
-  if (truth_) run_report.errors = errors_of(result.map, *truth_);
+  if (truth_) measure(result.map, *truth_);
   check_interrupted();
 }
 
@@ -111,6 +121,9 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   if (options_.output.empty()) return;
   const Stopwatch watch(run_report.write_seconds);
   demand(write_map_file(result.map, log, options_.output));
+  if (is_written_as_g2o(options_.output)) {
+    run_report.renamed = in_words(number_for_g2o(result.map.pose_ids, result.map.feature_ids).value());
+  }
   for (const auto& file : map_files(options_.output)) run_report.files.push_back(file.string());
   for (const ExtraFile& extra : files_beside(options_, result.marginals.has_value())) {
     const std::filesystem::path file = extra_file(extra.extra, options_.output);
@@ -218,6 +231,8 @@ template std::optional<std::string> CommandRun::features_apart(const Log<2>&, co
 template std::optional<std::string> CommandRun::features_apart(const Log<3>&, const RunFigures&) const;
 template std::optional<std::string> CommandRun::features_apart(const SubmapSet<2>&, const RunFigures&) const;
 template std::optional<std::string> CommandRun::features_apart(const SubmapSet<3>&, const RunFigures&) const;
+template void CommandRun::measure(const GlobalMap<2>&, const TruthFile&, const ErrorOptions&);
+template void CommandRun::measure(const GlobalMap<3>&, const TruthFile&, const ErrorOptions&);
 template void CommandRun::take(RunResult<2>&);
 template void CommandRun::take(RunResult<3>&);
 template Expected<void> CommandRun::write_extra(Extra, const RunResult<2>&, const Log<2>*, const std::filesystem::path&) const;

@@ -45,7 +45,7 @@ class CommandRun {
   AnyLog open_input();
   /// The inputs as one log, after take_input(), with the fixes of --gps as priors.
   AnyLog read_log();
-  /// The inputs as local maps, after take_input().
+  /// The inputs as local maps, after take_input(); kUsage if options say how a log is read.
   AnyMaps read_maps();
   /// Gives a log or local maps the weights asked for (kUsage for a store, which was built with its own), finds the features of
   /// --associate, and leaves out what --robust rejects; the report tells of both.
@@ -68,6 +68,9 @@ class CommandRun {
   /// A log with the times that the options give its poses.
   Expected<AnyLog> stamped(AnyLog any) const;
 
+  /// Takes the errors of a map against a truth into the report.
+  template <int Dim>
+  void measure(const GlobalMap<Dim>& map, const TruthFile& truth, const ErrorOptions& options = {});
   /// Takes a result into the report, with its certainty; kInterrupted if a stop was requested.
   template <int Dim>
   void take(RunResult<Dim>& result);

@@ -42,11 +42,13 @@ ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop
   command_run.prepare(report_of(options));
   TruthFile truth(options.true_map, options.most_apart);
   if (is_trajectory_file(options.input)) truth.take_map_for_trajectory();
-  const auto errors_in = [&](auto&& log) { return errors_of(map_of(std::move(log)), truth, options.errors); };
-  const TruthErrors errors = std::visit(errors_in, command_run.read_log());
+  if (has_extra_file(Extra::kAssociations, options.input)) truth.leave_features_out();
+  const auto measure = [&](auto&& log) { command_run.measure(map_of(std::move(log)), truth, options.errors); };
+  std::visit(measure, command_run.read_log());
+  const TruthErrors& errors = *command_run.run_report.errors;
   if (errors.absolute.poses.translation.count == 0) {
     const bool has_stamps = command_run.run_report.has_stamps;
-    fail(ErrorKind::kBadInput,
+    fail(ErrorKind::kUsage,
          options.true_map.string() +
              (has_stamps
                   ? ": has no pose of the map, neither by name nor by time; --max-time-difference widens the match of times"

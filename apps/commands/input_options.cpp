@@ -46,7 +46,8 @@ void add_leniency(Subcommand& command, Options& options) {
   command.flag("--skip-unknown", options.read.skip_unknown, "Leave out lines of unknown tags, and count them");
   command.flag("--skip-self-edges", options.read.skip_self_edges, "Leave out edges from a pose to itself, and count them");
   const auto skip = std::make_shared<bool>(false);
-  command.flag("--skip-undeclared", *skip, "Leave out lines that name what a file with vertices does not declare, and count them");
+  command.flag("--skip-undeclared", *skip,
+               "Leave out lines that name what a file with vertices does not declare, and count them");
   command.flag("--identity-where-missing", options.read.identity_where_missing,
                "Take the identity for the weights of edges without any, and count them");
   command.check([&options, skip]() -> std::vector<std::string> {
@@ -86,6 +87,13 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
     return {};
   });
   command.check([&options] { return check_given_once(options); });
+  command.check([&options]() -> std::vector<std::string> {
+    if (!options.further.empty()) return {};
+    std::vector<std::string> violations;
+    if (options.merging.own_features) violations.emplace_back("--features own is of several inputs");
+    if (options.merging.keep_copies) violations.emplace_back("--keep-copies is of several inputs");
+    return violations;
+  });
 }
 
 void add_further_logs(Subcommand& command, Options& options) {

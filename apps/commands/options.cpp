@@ -55,6 +55,25 @@ std::optional<SplitOptions> split_by_poses(const std::string& word) {
   return SplitOptions{SplitRule::kPoses, static_cast<double>(*poses)};
 }
 
+std::string in_words(const SplitOptions& split) {
+  if (split.rule == SplitRule::kAuto) return "auto";
+  const char* const unit = split.rule == SplitRule::kDistance ? " m" : split.rule == SplitRule::kFeatures ? " features" : "";
+  return fmt::format("{:g}{}", split.amount, unit);
+}
+
+template <int Dim>
+std::vector<std::string> notes_on_splits(const Log<Dim>& log, const std::vector<SplitOptions>& splits) {
+  std::vector<std::string> notes;
+  for (const SplitOptions& given : splits) {
+    if (!map_segments(split(log, given).segments).empty()) continue;
+    notes.push_back(
+        fmt::format("maps of {}: this cuts the log into no local map, so that joining is full SLAM once more; "
+                    "--poses-per-map N cuts it",
+                    in_words(given)));
+  }
+  return notes;
+}
+
 std::size_t thread_count(const Options& options) {
   return static_cast<std::size_t>(options.jobs > 0 ? options.jobs : tbb::info::default_concurrency());
 }
@@ -237,5 +256,8 @@ void add_reporting(Subcommand& command, Options& options) {
   add_running(command, options);
   command.path("--report", options.report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
 }
+
+template std::vector<std::string> notes_on_splits(const Log<2>&, const std::vector<SplitOptions>&);
+template std::vector<std::string> notes_on_splits(const Log<3>&, const std::vector<SplitOptions>&);
 
 }  // namespace mapjoin::apps

@@ -7,6 +7,7 @@
 #include <apps/console.hpp>
 #include <apps/outputs.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/g2o/numbering.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <memory>
 
@@ -38,10 +39,17 @@ bool has_summary(const SimulateOptions& options) {
   return !options.quiet && !is_stdout(options.log) && !is_stdout(options.truth);
 }
 
+/// Names the true features as the file of the log does, which has one numbering for poses and features.
+template <int Dim>
+void name_as_in_file(const Log<Dim>& log, GlobalMap<Dim>& truth) {
+  const G2oNumbering numbering = number_for_g2o(log.poses, log.features).value();
+  for (FeatureId& id : truth.feature_ids) id = {numbering(id)};
+}
+
 template <int Dim>
 ExitCode simulate_in(const SimulateOptions& options, const std::stop_token& stop) {
   check_writable(outputs_of(options));
-  const Simulation<Dim> simulation = simulate_manhattan<Dim>(options.manhattan, stop);
+  Simulation<Dim> simulation = simulate_manhattan<Dim>(options.manhattan, stop);
   const Log<Dim>& log = simulation.log;
   if (stop.stop_requested()) fail(ErrorKind::kInterrupted, "interrupted");
   demand(write_g2o(log, options.log));
@@ -49,6 +57,7 @@ ExitCode simulate_in(const SimulateOptions& options, const std::stop_token& stop
   lines.add("log", fmt::format("{}: {}D, {}, {}, {}", options.log.string(), Dim, plural(log.poses.size(), "pose"),
                                plural(log.features.size(), "feature"), plural(log.observations().size(), "observation")));
   if (!options.truth.empty()) {
+    name_as_in_file(log, simulation.truth);
     demand(write_map_file(simulation.truth, static_cast<const Log<Dim>*>(nullptr), options.truth));
     for (const auto& file : map_files(options.truth)) lines.add("truth", file.string());
   }

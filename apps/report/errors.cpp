@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <apps/report/errors.hpp>
 #include <numbers>
 
@@ -63,6 +64,7 @@ template <int Dim>
 TruthErrors errors_of(const GlobalMap<Dim>& map, const TruthFile& file, const ErrorOptions& options) {
   const Truth<Dim> truth = file.of(map);
   TruthErrors errors{options, map.poses.size(), absolute_errors(map, truth, options.alignment), {}, {}};
+  errors.known_features = static_cast<std::size_t>(std::ranges::count_if(truth.features, [](const auto& f) { return !!f; }));
   if (errors.absolute.poses.translation.count == 0) return errors;
   for (const double span : options.spans) errors.spans.push_back(relative_errors(map, truth, pairs_of(map, span, options)));
   PosePairs relations;

@@ -46,6 +46,7 @@ struct TruthErrors {
   AbsoluteErrors absolute;              ///< Errors of those known, and of features.
   std::vector<PoseErrorSummary> spans;  ///< Relative errors by ErrorOptions::spans; within sessions.
   PoseErrorSummary relations;           ///< Relative errors between poses that edges of the truth tie.
+  std::size_t known_features = 0;       ///< Number of features of the map that the truth knows.
 };
 
 /// The errors of a map; all of them empty if the truth has none of its poses.

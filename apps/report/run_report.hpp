@@ -111,9 +111,12 @@ struct RunReport {
   std::optional<Deviations> deviations;    ///< Medians of standard deviations, if there are marginals.
   std::optional<Consistency> consistency;  ///< Consistency with the truth, if given.
   std::optional<TruthErrors> errors;       ///< Errors against the truth, if given.
+  bool truth_without_features = false;     ///< True if `--associate` named its features, or those of the map.
+  std::size_t features_not_in_truth = 0;   ///< Number of features of the map that a truth with features does not have.
   double read_seconds = 0.0;
   double write_seconds = 0.0;
-  std::vector<std::string> files;  ///< Files written, in their order.
+  std::vector<std::string> files;    ///< Files written, in their order.
+  std::vector<std::string> renamed;  ///< What the numbering of a map in g2o changes, in words.
 };
 
 /// The result of `work`, whose wall-clock time is added to `seconds`.

@@ -200,6 +200,13 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   note(run_report.is_joined && run_report.figures.converged() && !run_report.figures.join.is_confirmed.value_or(true),
        "this optimum, the best found, is not confirmed: the ways of joining end at different ones, or came to it from afar; a "
        "lower one may exist (`mapjoin compare` of a log shows where each way ends)");
+  note(run_report.truth_without_features,
+       "--associate named the features of the map, or of the truth: only poses are compared with it");
+  note(run_report.features_not_in_truth > 0, fmt::format("{} of {} not in the truth, by name", run_report.features_not_in_truth,
+                                                         plural(run_report.counts.features, "feature is", "features are")));
+  note(!run_report.renamed.empty(),
+       fmt::format("the map has one numbering, as g2o files do: {}; a table (.csv) keeps all names",
+                   fmt::join(run_report.renamed, ", ")));
   note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   note(!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory),

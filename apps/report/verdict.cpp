@@ -14,6 +14,30 @@ namespace {
 /// The most misfits shown in the summary; the report has more.
 constexpr std::size_t kMostShown = 5;
 
+/// True if covariances of a kind of measurements are too small.
+bool is_too_certain(const GoodnessOfFit& fit) {
+  return std::ranges::any_of(fit.kinds, &KindScale::is_too_certain);
+}
+
+/// The factors by which typical residuals are too large or, if none is, chi2 as a whole.
+std::string scales_in_words(const RunReport& run_report) {
+  const GoodnessOfFit& fit = run_report.figures.fit;
+  std::vector<std::string> words;
+  for (const KindScale& kind : fit.kinds) {
+    if (!kind.is_too_certain) continue;
+    const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
+    words.push_back(fmt::format("{} {:.2g} times", is_fix ? kFix : to_string(kind.kind), std::sqrt(kind.scale)));
+  }
+  if (words.empty()) return fmt::format("chi2 as a whole is too large: {:.6g} over {} degrees of freedom", fit.chi2, fit.dof);
+  return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
+}
+
+/// The reason why a map is untested.
+std::string why_untested(const RunReport& run_report) {
+  if (run_report.figures.no_verdict) return run_report.figures.no_verdict->message;
+  return run_report.options.verdict ? "nothing is measured twice" : "no verdict was asked for";
+}
+
 }  // namespace
 
 std::string name_of(const NamedMisfit& misfit) {
@@ -34,23 +58,6 @@ std::string name_of(const NamedMisfit& misfit) {
 
 std::string in_words(const NamedMisfit& misfit) {
   return fmt::format("{} (chi2 {:.4g} over {})", name_of(misfit), misfit.misfit.chi2, plural(misfit.misfit.rows, "row"));
-}
-
-std::string scales_in_words(const RunReport& run_report) {
-  const GoodnessOfFit& fit = run_report.figures.fit;
-  std::vector<std::string> words;
-  for (const KindScale& kind : fit.kinds) {
-    if (!kind.is_too_certain) continue;
-    const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
-    words.push_back(fmt::format("{} {:.2g} times", is_fix ? kFix : to_string(kind.kind), std::sqrt(kind.scale)));
-  }
-  if (words.empty()) return fmt::format("chi2 as a whole is too large: {:.6g} over {} degrees of freedom", fit.chi2, fit.dof);
-  return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
-}
-
-std::string why_untested(const RunReport& run_report) {
-  if (run_report.figures.no_verdict) return run_report.figures.no_verdict->message;
-  return run_report.options.verdict ? "nothing is measured twice" : "no verdict was asked for";
 }
 
 std::string verdict_in_words(const RunReport& run_report) {
@@ -76,9 +83,25 @@ void add_verdict(const RunReport& run_report, Lines& lines) {
   lines.add("verdict", verdict_in_words(run_report));
   const auto& misfits = run_report.misfits;
   for (std::size_t k = 1; k < std::min(misfits.size(), kMostShown); ++k) lines.add("", in_words(misfits[k]));
+  if (!misfits.empty() && is_too_certain(run_report.figures.fit)) lines.add("", scales_in_words(run_report));
+}
+
+Findings verdict_findings(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
-  const bool is_too_certain = std::ranges::any_of(fit.kinds, &KindScale::is_too_certain);
-  if (!misfits.empty() && is_too_certain) lines.add("", scales_in_words(run_report));
+  if (fit.verdict == Verdict::kUntested) {
+    return {{FindingLevel::kNote, "untested", "nothing here can be tested: " + why_untested(run_report), {}}};
+  }
+  if (fit.verdict != Verdict::kMisfit) return {};
+  Places misfits;
+  for (const NamedMisfit& misfit : run_report.misfits) misfits.add(in_words(misfit));
+  const std::string out_of_line = fmt::format("out of line with the rest: {} of {} measurements{}", misfits.count, fit.parts,
+                                              fit.is_complete ? "" : ", and perhaps others, which show without these");
+  Findings findings;
+  add_if_any(findings, {FindingLevel::kWarning, "misfit", out_of_line, misfits});
+  if (findings.empty() || is_too_certain(fit)) {
+    findings.push_back({FindingLevel::kWarning, "misfit", scales_in_words(run_report), {}});
+  }
+  return findings;
 }
 
 Json verdict_of(const RunReport& run_report) {

@@ -6,6 +6,7 @@
 #include <apps/console.hpp>
 #include <apps/report/json.hpp>
 #include <apps/report/run_report.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <string>
 
 namespace mapjoin::apps {
@@ -28,16 +29,15 @@ std::string name_of(const NamedMisfit& misfit);
 /// The name of a misfit with its chi2 and rows.
 std::string in_words(const NamedMisfit& misfit);
 
-/// The factors by which typical residuals are too large or, if none is, chi2 as a whole.
-std::string scales_in_words(const RunReport& run_report);
-/// The reason why a map is untested.
-std::string why_untested(const RunReport& run_report);
-
 /// The verdict and its reason, in one line.
 std::string verdict_in_words(const RunReport& run_report);
 
 /// Adds the line of the verdict, then one for each of the first misfits.
 void add_verdict(const RunReport& run_report, Lines& lines);
+
+/// The verdict as findings of a check: the misfits, the worst first, and covariances that are too small, or a chi2 that is too
+/// large as a whole; or that nothing can be tested.
+Findings verdict_findings(const RunReport& run_report);
 
 /// The keys `verdict`, `fit` and `misfits` of the report.
 Json verdict_of(const RunReport& run_report);

@@ -4,6 +4,7 @@
 #include <mapjoin/io/files/archive.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/io/local_maps/local_map_file.hpp>
 #include <mapjoin/io/mrclam/mrclam.hpp>
 #include <mapjoin/io/open.hpp>
@@ -14,7 +15,7 @@
 namespace mapjoin {
 
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options) {
-  if (is_mrclam_folder(path)) return read_mrclam(path);
+  if (is_mrclam_folder(path)) return options.turns_information() ? not_in_g2o(path.string()) : read_mrclam(path);
   if (is_run_folder(path)) return read_run_folder(path, options);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {

@@ -28,6 +28,11 @@ struct ReadOptions {
   bool skip_self_edges = false;         ///< Leaves out edges from a pose to itself.
   bool identity_where_missing = false;  ///< Takes the identity for missing weights of an edge or observation.
   Undeclared undeclared = Undeclared::kRefused;
+
+  /// True if the information matrices of a g2o file are to be turned into the conventions used inside.
+  bool turns_information() const {
+    return pose_error != PoseError::kPaper || rotation_information != RotationInformation::kVector;
+  }
 };
 
 }  // namespace mapjoin

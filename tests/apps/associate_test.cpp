@@ -16,7 +16,9 @@
 namespace mapjoin::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class AssociateCommandTest : public ::testing::Test {
@@ -32,14 +34,19 @@ struct Explained {
   std::size_t alternatives = 0;
 };
 
+std::vector<std::string> fields_of(const std::string& line) {
+  std::istringstream words(line);
+  std::vector<std::string> fields;
+  for (std::string field; std::getline(words, field, ',');) fields.push_back(field);
+  return fields;
+}
+
 /// The lines of an associations.csv for sightings of features that were seen before.
 std::vector<Explained> explained(const std::string& csv) {
   std::vector<Explained> found;
   std::istringstream lines(csv);
   for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::vector<std::string> fields;
-    for (std::string field; std::getline(words, field, ',');) fields.push_back(field);
+    const std::vector<std::string> fields = fields_of(line);
     if (found.empty() && fields.at(3) == "distance") continue;
     if (!fields.at(3).empty()) found.push_back({std::stod(fields[3]), std::stod(fields.at(4)), std::stoul(fields.at(5))});
   }
@@ -70,6 +77,24 @@ TEST_F(AssociateCommandTest, WithRobustIsNotMisledByAWrongClosure) {
   EXPECT_EQ(report["association"]["features"], 145);
   EXPECT_EQ(report["robust"]["closures"], 1);
   EXPECT_EQ(report["verdict"], "fits");
+}
+
+TEST_F(AssociateCommandTest, ComparesNoFeaturesWithThoseOfATruth) {
+  ASSERT_EQ(call({"simulate", "--poses", "60", "--quiet", "-o", file("log.g2o"), "--truth", file("truth.g2o")}).exit_code, 0);
+  const std::string said = "--associate named the features of the map, or of the truth: only poses are compared with it\n";
+  const Ended named = call({"run", file("log.g2o"), "--truth", file("truth.g2o"), "-o", file("named")});
+  EXPECT_THAT(named.out, AllOf(HasSubstr("NEES         features"), Not(HasSubstr(said))));
+  const Ended run = call({"run", file("log.g2o"), "--associate", "--truth", file("truth.g2o"), "-o", file("result")});
+  EXPECT_THAT(run.out, AllOf(HasSubstr("NEES         poses"), Not(HasSubstr("NEES         features")), HasSubstr(said)));
+  ASSERT_EQ(call({"build", file("log.g2o"), "--associate", "--quiet", "-o", file("log.maps")}).exit_code, 0);
+  EXPECT_THAT(call({"join", file("log.maps"), "--truth", file("truth.g2o")}).out,
+              AllOf(Not(HasSubstr("NEES         features")), HasSubstr(said)));
+  for (const std::string map : {"result", "result/map.g2o"}) {
+    const Ended error = call({"error", file(map), file("truth.g2o")});
+    EXPECT_THAT(error.out, AllOf(HasSubstr("ATE          60 of 60 poses"), Not(HasSubstr("\nfeatures")), HasSubstr(said)));
+    EXPECT_THAT(call({"plot", file(map), "--truth", file("truth.g2o"), "--quiet", "-o", file("plot.svg")}).err,
+                HasSubstr("truth.g2o: its features are not drawn: --associate named them"));
+  }
 }
 
 TEST_F(AssociateCommandTest, WritesTheSameWithAnyNumberOfJobs) {
@@ -107,6 +132,28 @@ TEST_F(AssociateCommandTest, TiesStoresOfUnknownFrames) {
   EXPECT_EQ(of_stores["local_maps"]["count"], of_logs["local_maps"]["count"]);
   EXPECT_NEAR(of_stores["chi2"].get<double>(), of_logs["chi2"].get<double>(), 1e-9 * of_logs["chi2"].get<double>());
   EXPECT_EQ(of_stores["verdict"], "fits");
+}
+
+TEST_F(AssociateCommandTest, NamesFeaturesOfSeveralFilesApartAndWhatIsRejectedAsTheMapDoes) {
+  const auto world = wood<2>(1).log;
+  auto first = cut_session(world, 0, 2);
+  auto second = cut_session(world, 1, 2);
+  auto& wrong = second.graph.feature_factors[second.graph.feature_factors.size() / 2];
+  wrong.measured.x() += 3.0;
+  ASSERT_TRUE(write_log<2>(first, LogFormat::kG2o, file("0.g2o")));
+  ASSERT_TRUE(write_log<2>(second, LogFormat::kG2o, file("1.g2o")));
+  ASSERT_EQ(call({"run", file("0.g2o"), file("1.g2o"), "--features", "own", "--associate", "--robust", "--quiet", "-o",
+                  file("result")})
+                .exit_code,
+            0);
+  const std::vector<std::string> rejected = lines_of(content_of(folder.path() / "result" / "rejected.csv"));
+  ASSERT_EQ(rejected.size(), 2U);
+  const std::string from = std::to_string(second.poses[wrong.base].key);
+  ASSERT_THAT(rejected[1], StartsWith("observation," + from + ","));
+  const std::string to = fields_of(rejected[1]).at(2);
+  // Ids of the files are above 1000, where the poses end, and below 10000.
+  const std::string id = std::to_string(11000 + second.features[wrong.target].key);
+  EXPECT_THAT(content_of(folder.path() / "result" / "associations.csv"), HasSubstr("\n" + from + "," + id + "," + to + ","));
 }
 
 TEST_F(AssociateCommandTest, GoesWithBuildNotWithTheJoinOfAStore) {

@@ -13,6 +13,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class BasinCommand : public ::testing::Test {
  protected:
@@ -53,6 +54,16 @@ TEST_F(BasinCommand, TakesTheMapsOfAStoreAsTheyWereCut) {
   EXPECT_EQ(report["cells"].size(), 2U * 4 * 2 * 3);
   EXPECT_TRUE(report["cells"][23]["local_maps"].is_null());
   EXPECT_EQ(call({"basin", path("log.maps"), "--poses-per-map", "3"}).exit_code, 2);
+}
+
+TEST_F(BasinCommand, SaysWhereThereIsNoLocalMapToJoin) {
+  const std::string note =
+      "note         maps of auto: this cuts the log into no local map, so that joining is full SLAM once more";
+  const std::string short_drive = path("short.g2o");
+  ASSERT_EQ(call({"simulate", "--poses", "60", "--seed", "2", "-o", short_drive, "--quiet"}).exit_code, 0);
+  EXPECT_THAT(call({"basin", short_drive, "--seeds", "1"}).out, HasSubstr(note));
+  EXPECT_THAT(call({"convexity", short_drive, "--pairs", "1"}).out, HasSubstr(note));
+  EXPECT_THAT(call({"basin", short_drive, "--seeds", "1", "--poses-per-map", "20"}).out, Not(HasSubstr("no local map")));
 }
 
 TEST_F(BasinCommand, SaysWhichLengthsOfMapsMakeNoSense) {

@@ -115,7 +115,7 @@ TEST_F(ErrorCommand, KnowsTheTimesInTheFolderOfARun) {
 
 TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const Ended none = call({"error", map, folder.file("other.g2o", "VERTEX_SE2 9 0 0 0\n").string()});
-  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_EQ(none.exit_code, 2);
   EXPECT_THAT(none.err, HasSubstr("other.g2o: has no pose of the map, neither by name nor by count; where it has times"));
   const std::string table = folder.file("table.csv", "pose,x,y,phi,stamp_ns\n4,0,0,0,10000000000\n").string();
   EXPECT_THAT(call({"error", table, folder.file("late.tum", "20.5 0 0 0 0 0 0 1\n").string()}).err,
@@ -126,8 +126,8 @@ TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const Ended no_times = call({"error", map, timed});
   EXPECT_EQ(no_times.exit_code, 2);
   EXPECT_THAT(no_times.err,
-              HasSubstr("timed.tum: has times, and the poses of the map have none; --stamps gives a log's, and the folder "
-                        "of a run has them\n"));
+              HasSubstr("timed.tum: has times, and the poses of the map have none; `mapjoin run LOG --stamps FILE` gives "
+                        "them, and its folder keeps them\n"));
   const std::string out = (folder.path() / "out").string();
   EXPECT_THAT(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", out, "--truth", timed}).err,
               HasSubstr("timed.tum: has times"));

@@ -103,8 +103,10 @@ TEST_F(VerdictTest, SaysByHowMuchCovariancesAreTooSmall) {
   ASSERT_EQ(call({"simulate", "--poses", "500", "--noise-multiplier", "3", "-o", path, "--quiet"}).exit_code, 0);
   EXPECT_THAT(call({"run", path}).out, HasSubstr("typical residuals are larger than the covariances say: "));
   std::ofstream(path, std::ios::app) << "EDGE_SE2 10 400 1 0 0 25 0 0 25 0 25\n";
-  EXPECT_THAT(call({"run", path}).out, AllOf(HasSubstr("MISFIT: closure from pose 10 to pose 400"),
-                                             HasSubstr("typical residuals are larger than the covariances say: ")));
+  const std::string said = "typical residuals are larger than the covariances say: ";
+  EXPECT_THAT(call({"run", path}).out, AllOf(HasSubstr("MISFIT: closure from pose 10 to pose 400"), HasSubstr(said)));
+  EXPECT_THAT(call({"check", path}).out,
+              AllOf(HasSubstr("warning      out of line with the rest: 1 of "), HasSubstr("warning      " + said)));
 }
 
 }  // namespace

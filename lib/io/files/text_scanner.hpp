@@ -70,7 +70,8 @@ class TextScanner {
   Expected<void> finish_line();
 
   const std::string& source() const { return source_; }
-  /// The bytes that are left.
+  /// The text that is left, and its number of bytes.
+  std::string_view left() const { return {next_, size()}; }
   std::size_t size() const { return static_cast<std::size_t>(end_ - next_); }
   /// The place where the last word began or, at the end of a line, where the next one would have begun.
   Place place() const { return {lines_before_ + line_, static_cast<std::size_t>(word_ - line_begin_) + 1}; }

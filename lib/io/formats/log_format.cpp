@@ -196,18 +196,6 @@ std::size_t unmentioned(const Log<Dim>& log) {
 }
 
 template <int Dim>
-void tell_numbering(const Log<Dim>& log, const Room& room, std::vector<std::string>& lost) {
-  const auto numbering = number_for_g2o(log.poses, room.one_numbering ? log.features : FeatureIds());
-  if (!numbering) return;  // The writer says why.
-  if (numbering->session_step > 0) {
-    lost.push_back(fmt::format("poses of session n are numbered from n times {} on", numbering->session_step));
-  }
-  if (numbering->feature_offset > 0) {
-    lost.push_back(fmt::format("features are numbered from {} on, apart from poses", numbering->feature_offset));
-  }
-}
-
-template <int Dim>
 void tell_rounding(const Room& room, std::vector<std::string>& lost) {
   if (room.weights == Weights::kSquareRoot) lost.emplace_back("weights are square roots of information matrices, rounded");
   if (room.weights == Weights::kCovariance) lost.emplace_back("weights are covariances, rounded");
@@ -256,9 +244,11 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
   if (!room.stamps) tell(log.stamps_ns.size(), "time stamps are");
   const bool names_all = needs_values(format) || (room.feature_values && all_values);
   if (!names_all) tell(unmentioned(log), "poses and features that no edge mentions are");
-  if (room.names) {
-    if (format != LogFormat::kCsv) tell_numbering(log, room, lost);
-  } else {
+  if (room.names && format != LogFormat::kCsv) {
+    const auto numbering = number_for_g2o(log.poses, room.one_numbering ? log.features : FeatureIds());
+    if (numbering) std::ranges::move(in_words(*numbering), std::back_inserter(lost));  // Otherwise the writer says why.
+  }
+  if (!room.names) {
     if (!are_counted(log.poses)) lost.emplace_back("poses are counted, not named");
     if (Dim == 2) lost.emplace_back("headings are rotations in space, rounded");
     if (Dim == 3 && format == LogFormat::kKitti) lost.emplace_back("rotations are matrices, rounded");
@@ -270,6 +260,7 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
 Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options) {
   if (const auto known = known_format(bytes, options)) {
     const Format& format = row_of(known->format);
+    if (known->format != LogFormat::kG2o && options.turns_information()) return not_in_g2o(file);
     const bool reads_skip = format.room.edges;  // Such readers leave lines out by their tag.
     return reads_skip || known->begin == 0 ? format.read(bytes, file, options) : read_table(*known, bytes, file, options);
   }

@@ -43,7 +43,7 @@ constexpr auto enum_names(LogFormat) {
 std::string_view file_extension(LogFormat format);
 
 /// The log in a file's bytes, in the format that the options name or, without, that its content shows. Bad input, in a sentence
-/// that begins with `file`.
+/// that begins with `file`; kUsage if the options turn information matrices and the file is not in g2o, or read_g2o() refuses.
 Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options);
 
 /// True if a log needs the values of all poses to be written: for TORO's format, trajectories and the table of poses.

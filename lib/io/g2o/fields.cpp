@@ -57,6 +57,11 @@ PoseMatrix<Dim> from_g2o(const PoseMatrix<Dim>& W, const Pose<Dim>& measured, co
   return turned;
 }
 
+tl::unexpected<Error> not_in_g2o(const std::string& file) {
+  return tl::unexpected(Error{ErrorKind::kUsage, file + ": is not in g2o, for which --g2o-error and --rotation-information "
+                                                        "are; leave them out"});
+}
+
 template <int Dim>
 PointMatrix<Dim> turned_to_parent(const PointMatrix<Dim>& W, const Rotation<Dim>& rotation) {
   const PointMatrix<Dim> R = rotation.matrix();

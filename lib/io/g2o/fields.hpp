@@ -44,6 +44,9 @@ Expected<G2oOffsets> read_g2o_offsets(TextScanner text);
 template <int Dim>
 PoseMatrix<Dim> from_g2o(const PoseMatrix<Dim>& W, const Pose<Dim>& measured, const ReadOptions& options);
 
+/// The error of options that turn information matrices, in a sentence that begins with `file`, which is not in g2o.
+tl::unexpected<Error> not_in_g2o(const std::string& file);
+
 /// The information matrix W of a vector, turned from a frame with `rotation` in its parent to the parent frame: R W Rᵀ. Exactly
 /// symmetric.
 template <int Dim>

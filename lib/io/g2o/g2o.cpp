@@ -79,6 +79,18 @@ bool is_tag_of(std::string_view tag) {
   return format<Dim>().has_tag(tag);
 }
 
+/// What a written file says first of its information matrices.
+constexpr std::string_view kOwnInformation =
+    "Information matrices weigh the difference between measured and predicted relative pose:";
+
+/// kUsage if the options turn information matrices of a text that says itself that they are in the conventions used inside.
+Expected<void> check_conventions(const TextScanner& text, const ReadOptions& options) {
+  if (!options.turns_information() || text.left().find(kOwnInformation) == std::string_view::npos) return {};
+  return tl::unexpected(Error{ErrorKind::kUsage, text.source() +
+                                                     ": says what its information matrices weigh, as files that mapjoin wrote "
+                                                     "do; leave --g2o-error and --rotation-information out"});
+}
+
 /// The contents of a g2o file over these poses and features, yet to be filled.
 template <int Dim>
 EdgeTextContents<Dim> contents_of(std::string_view source, const PoseIds& poses, const FeatureIds& features) {
@@ -86,7 +98,7 @@ EdgeTextContents<Dim> contents_of(std::string_view source, const PoseIds& poses,
       source,
       poses,
       features,
-      {"Information matrices weigh the difference between measured and predicted relative pose:",
+      {std::string(kOwnInformation),
        Dim == 2 ? "translation in the frame of the first pose, then heading."
                 : "translation in the frame of the first pose, then the rotation vector (not the quaternion).",
        "One numbering: keys of features and of sessions beyond the first are moved by a power of ten where they met others."}};
@@ -120,7 +132,9 @@ bool is_g2o_tag(std::string_view tag) {
 }
 
 Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options, Extent extent) {
-  return read_edge_text(std::move(text), kPlane, &kSpace, options, extent);
+  return check_conventions(text, options).and_then([&] {
+    return read_edge_text(std::move(text), kPlane, &kSpace, options, extent);
+  });
 }
 
 template <int Dim>

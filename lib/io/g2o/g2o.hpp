@@ -18,7 +18,8 @@ bool is_g2o_tag(std::string_view tag);
 /// different. A file without vertices names them by its edges; in one with vertices, an edge to an undeclared id is bad input
 /// unless `options` say otherwise. Sensor offsets are applied: observations and priors become those of the pose. FIX holds
 /// poses at their initial values. Parameters that nobody names are passed over, and so are data of sensors, which are counted.
-/// Information matrices, including those of priors, are turned as `options` say. In a text that is not whole, ids need no
+/// Information matrices, including those of priors, are turned as `options` say; kUsage if the text is of write_g2o(), whose
+/// matrices are not to be turned again. In a text that is not whole, ids need no
 /// vertices, and FIX is passed over.
 Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options, Extent extent = {});
 

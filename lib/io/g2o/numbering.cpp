@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <mapjoin/io/g2o/numbering.hpp>
@@ -36,6 +38,17 @@ bool do_keys_meet(const std::vector<PoseId>& poses) {
 }
 
 }  // namespace
+
+std::vector<std::string> in_words(const G2oNumbering& numbering) {
+  std::vector<std::string> words;
+  if (numbering.session_step > 0) {
+    words.push_back(fmt::format("poses of session n are numbered from n times {} on", numbering.session_step));
+  }
+  if (numbering.feature_offset > 0) {
+    words.push_back(fmt::format("features are numbered from {} on, apart from poses", numbering.feature_offset));
+  }
+  return words;
+}
 
 Expected<G2oNumbering> number_for_g2o(const std::vector<PoseId>& poses, const std::vector<FeatureId>& features) {
   const tl::unexpected<Error> too_large(

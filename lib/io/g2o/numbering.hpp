@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/ids.hpp>
+#include <string>
 #include <vector>
 
 namespace mapjoin {
@@ -19,6 +20,9 @@ struct G2oNumbering {
   std::uint64_t operator()(const PoseId& id) const { return id.key + id.session * session_step; }
   std::uint64_t operator()(const FeatureId& id) const { return id.key + feature_offset; }
 };
+
+/// What the numbering changes, a sentence without its end for each; empty if all keep their keys.
+std::vector<std::string> in_words(const G2oNumbering& numbering);
 
 /// The numbering of these poses and features; kUsage if their keys are so large that no such numbers fit into 64 bits.
 Expected<G2oNumbering> number_for_g2o(const std::vector<PoseId>& poses, const std::vector<FeatureId>& features);

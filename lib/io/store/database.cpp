@@ -11,12 +11,17 @@
 namespace mapjoin::store {
 namespace {
 
+/// What can be done about an unfinished store.
+constexpr std::string_view kBuildGoesOn = "the same `mapjoin build` again goes on from there";
+
 /// The reason of a failure: SQLite's words, or others if those are about something else.
 std::string reason_of(sqlite3* database, ErrorKind kind) {
   const int status = sqlite3_errcode(database);
   if (status == SQLITE_BUSY) return "another process is writing it";
   // Only the writer of the store can restore its state before the interruption.
-  if (status == SQLITE_READONLY && kind == ErrorKind::kBadInput) return "unfinished store: its writer was interrupted";
+  if (status == SQLITE_READONLY && kind == ErrorKind::kBadInput) {
+    return fmt::format("unfinished store: its writer was interrupted; {}", kBuildGoesOn);
+  }
   const int reason = status == SQLITE_IOERR ? sqlite3_system_errno(database) : 0;
   return reason != 0 ? std::generic_category().message(reason) : sqlite3_errmsg(database);
 }
@@ -156,6 +161,11 @@ Expected<std::int64_t> Database::integer(std::string_view sql) {
 
 tl::unexpected<Error> Database::damaged(std::string_view what) const {
   return bad_input(fmt::format("{}: damaged store: {}", file_, what));
+}
+
+tl::unexpected<Error> Database::unfinished(std::size_t segment) const {
+  return bad_input(
+      fmt::format("{}: unfinished store: the local map of segment {} is missing; {}", file_, segment, kBuildGoesOn));
 }
 
 }  // namespace mapjoin::store

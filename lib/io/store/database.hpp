@@ -61,6 +61,8 @@ class Database {
   const std::string& file() const { return file_; }
   /// A bad-input error about a damaged store.
   tl::unexpected<Error> damaged(std::string_view what) const;
+  /// A bad-input error about a store that lacks the local map of this segment.
+  tl::unexpected<Error> unfinished(std::size_t segment) const;
 
  private:
   struct Close {

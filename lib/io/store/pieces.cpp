@@ -70,9 +70,7 @@ Expected<std::vector<std::optional<LocalMap<Dim>>>> StorePieces::maps(const Log<
     if (!segments[k].is_map) continue;
     const auto found = select->bind(static_cast<std::int64_t>(k)).step();
     if (!found) return tl::unexpected(found.error());
-    if (!*found) {
-      return bad_input(fmt::format("{}: unfinished store: the local map of segment {} is missing", database_.file(), k));
-    }
+    if (!*found) return database_.unfinished(k);
     auto map = checked_map(database_, *select, segments[k], log);
     if (!map) return tl::unexpected(map.error());
     maps.push_back(*std::move(map));

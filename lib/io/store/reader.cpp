@@ -66,9 +66,7 @@ Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
   });
   if (!read) return read;
   if (!fault.empty()) return database.damaged(fault);
-  if (next < stored.segments.size()) {
-    return bad_input(fmt::format("{}: unfinished store: the local map of segment {} is missing", database.file(), next));
-  }
+  if (next < stored.segments.size()) return database.unfinished(next);
   return parallel_try(stored.maps.size(), [&](std::size_t m) -> Expected<void> {
     const Segment& segment = stored.segments[of_segment[m]];
     if (store::is_map_of(stored.maps[m], segment, indices(stored.log.features))) return {};

@@ -5,7 +5,9 @@
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <string>
 #include <tests/support/error_of.hpp>
+#include <tests/support/file_bytes.hpp>
 #include <tests/support/same_log.hpp>
+#include <tests/support/temporary_folder.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -109,6 +111,23 @@ TEST(G2o, RecordsTheConventionsAndTurnsTheInformationWithThem) {
   EXPECT_EQ(log.odometry()[0].information.diagonal(), (Vector<6>() << 1, 1, 1, 0.25, 0.25, 0.25).finished());
   // In the plane there is no quaternion to weigh.
   EXPECT_EQ(read_as<2>(kEdge2, options).conventions.rotation_information, RotationInformation::kVector);
+}
+
+TEST(G2o, RefusesToTurnTheInformationOfAFileItWroteASecondTime) {
+  const testing::TemporaryFolder folder;
+  const auto file = folder.path() / "turned.g2o";
+  const ReadOptions of_error{.pose_error = PoseError::kG2o};
+  const ReadOptions of_quaternion{.rotation_information = RotationInformation::kQuaternion};
+  const auto log = read_as<3>("EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1" + kIdentity6, of_quaternion);
+  ASSERT_TRUE(write_g2o<3>(log, file));
+  const std::string written = testing::bytes_of(file);
+  EXPECT_EQ(read_as<3>(written).odometry()[0].information, log.odometry()[0].information);
+  for (const ReadOptions& options : {of_error, of_quaternion}) {
+    const auto again = read(written, options);
+    ASSERT_FALSE(again);
+    EXPECT_EQ(again.error().kind, ErrorKind::kUsage);
+    EXPECT_THAT(message(written, options), HasSubstr("some.g2o: says what its information matrices weigh"));
+  }
 }
 
 TEST(G2o, NamesTheLineAndColumnOfAMalformedNumber) {

@@ -170,7 +170,7 @@ TEST_F(StoreFileTest, ABuildThatWasKilledInTheMidstOfABatchIsNotRead) {
   }
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_THAT(error(), HasSubstr("maps.mapjoin: unfinished store: its writer was interrupted"));
+  EXPECT_THAT(error(), HasSubstr("maps.mapjoin: unfinished store: its writer was interrupted; the same `mapjoin build` again"));
 }
 
 TEST_F(StoreFileTest, OneBuildAtATime) {

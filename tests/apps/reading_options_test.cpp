@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Options that say how a log is read, where the input has no place for them.
+#include <gtest/gtest.h>
+
+#include <tests/apps/command.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using Words = std::vector<std::string>;
+
+class ReadingOptions : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+  TemporaryFolder folder;
+  const std::string log = folder.file("log.g2o", kSmallLog).string();
+};
+
+TEST_F(ReadingOptions, AreRefusedForLocalMapsByEveryCommand) {
+  const std::string maps = path("log.maps");
+  ASSERT_EQ(call({"build", log, "-o", maps, "--quiet"}).exit_code, 0);
+  const std::vector<Words> commands = {{"check", maps}, {"covariance", maps, "0"}, {"convert", maps, path("again.g2o")}};
+  const std::vector<Words> options = {{"--g2o-error", "g2o"}, {"--from", "g2o"}, {"--skip-undeclared"}};
+  for (const Words& option : options) {
+    for (Words words : commands) {
+      words.insert(words.end(), option.begin(), option.end());
+      expect_failure(call(words), 2, "log.maps: holds local maps, and " + option.front() + " is for a log");
+    }
+  }
+  expect_failure(call({"info", maps, "--ids-are-nanoseconds"}), 2, "--ids-are-nanoseconds is for a log");
+}
+
+TEST_F(ReadingOptions, OfG2oAreRefusedForOtherFormats) {
+  ASSERT_EQ(call({"convert", log, path("log.isam"), "--quiet"}).exit_code, 0);
+  expect_failure(call({"run", path("log.isam"), "--rotation-information", "quaternion"}), 2,
+                 "log.isam: is not in g2o, for which --g2o-error and --rotation-information are");
+}
+
+TEST_F(ReadingOptions, OfSeveralInputsAreRefusedForOne) {
+  expect_failure(call({"run", log, "--features", "own"}), 2, "--features own is of several inputs");
+  expect_failure(call({"check", log, "--keep-copies"}), 2, "--keep-copies is of several inputs");
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,1 @@
+/tmp/w/apps.inc/mapjoin/version.hpp
