@@ -66,7 +66,8 @@ std::vector<FlatLine> trajectory_lines(const Poses& poses, const std::vector<Ses
 Ellipse ellipse(const Point<2>& centre, const Matrix<2>& P, double sigmas);
 
 /// The layers as SVG, the first at the bottom and last in the legend. Lines are thinned, and of very many marks, ellipses
-/// and lines that are no path some are left out, so that the size of the picture is bounded. The longer side of the drawing has `pixels`.
+/// and lines that are no path some are left out, so that the size of the picture is bounded. The longer side of the drawing has
+/// `pixels`.
 std::string picture(const std::vector<Layer>& layers, double pixels = 1000.0);
 
 }  // namespace mapjoin::apps
