@@ -13,24 +13,13 @@ struct Pairs {
   std::vector<T> truth;
 };
 
-template <int Dim>
-Pairs<Pose<Dim>> known_poses(const GlobalMap<Dim>& map, const Truth<Dim>& truth) {
-  Pairs<Pose<Dim>> known;
-  for (const PoseIndex p : indices(truth.poses)) {
-    if (!truth.poses[p]) continue;
-    known.estimate.push_back(map.poses[p]);
-    known.truth.push_back(*truth.poses[p]);
-  }
-  return known;
-}
-
-template <int Dim>
-Pairs<Point<Dim>> known_features(const GlobalMap<Dim>& map, const Truth<Dim>& truth) {
-  Pairs<Point<Dim>> known;
-  for (const FeatureIndex f : indices(truth.features)) {
-    if (!truth.features[f]) continue;
-    known.estimate.push_back(map.features[f]);
-    known.truth.push_back(*truth.features[f]);
+template <typename Index, typename T>
+Pairs<T> known(const Table<Index, T>& estimate, const Table<Index, std::optional<T>>& truth) {
+  Pairs<T> known;
+  for (const Index index : indices(truth)) {
+    if (!truth[index]) continue;
+    known.estimate.push_back(estimate[index]);
+    known.truth.push_back(*truth[index]);
   }
   return known;
 }
@@ -63,15 +52,15 @@ PoseErrorSummary pose_errors(Pairs<Pose<Dim>> poses, const Pose<Dim>& motion) {
 
 template <int Dim>
 std::optional<Pose<Dim>> alignment_onto(const Truth<Dim>& truth, const GlobalMap<Dim>& map) {
-  return alignment_of(known_poses(map, truth), known_features(map, truth));
+  return alignment_of(known(map.poses, truth.poses), known(map.features, truth.features));
 }
 
 template <int Dim>
 AbsoluteErrors absolute_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth, TrajectoryAlignment alignment) {
-  const Pairs<Pose<Dim>> poses = known_poses(map, truth);
+  const Pairs<Pose<Dim>> poses = known(map.poses, truth.poses);
   if (poses.truth.empty()) return {};
   const auto by_poses = absolute_trajectory_error(poses.estimate, poses.truth, alignment);
-  const Pairs<Point<Dim>> features = known_features(map, truth);
+  const Pairs<Point<Dim>> features = known(map.features, truth.features);
   if (alignment != TrajectoryAlignment::kRigid || alignment_of<Dim>(poses, {})) {
     return {by_poses.errors, feature_errors(features, by_poses.alignment), AlignedBy::kPoses};
   }
