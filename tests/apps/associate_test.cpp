@@ -34,13 +34,6 @@ struct Explained {
   std::size_t alternatives = 0;
 };
 
-std::vector<std::string> fields_of(const std::string& line) {
-  std::istringstream words(line);
-  std::vector<std::string> fields;
-  for (std::string field; std::getline(words, field, ',');) fields.push_back(field);
-  return fields;
-}
-
 /// The lines of an associations.csv for sightings of features that were seen before.
 std::vector<Explained> explained(const std::string& csv) {
   std::vector<Explained> found;

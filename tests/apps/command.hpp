@@ -42,6 +42,14 @@ inline nlohmann::json report_of(std::vector<std::string> arguments) {
   return nlohmann::json::parse(ended.out);
 }
 
+/// The fields of a line of a table without quotes.
+inline std::vector<std::string> fields_of(const std::string& line) {
+  std::istringstream stream(line + ",");
+  std::vector<std::string> fields;
+  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+  return fields;
+}
+
 inline std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> lines;

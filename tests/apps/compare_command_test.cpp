@@ -21,14 +21,6 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// The fields of a line without quotes.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::istringstream stream(line + ",");
-  std::vector<std::string> fields;
-  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-  return fields;
-}
-
 /// One comparison in 2D, with the truth, which all tests look at.
 class Compare : public ::testing::Test {
  protected:

@@ -9,13 +9,16 @@
 namespace mapjoin {
 namespace {
 
-/// The logarithm of the odds of a difference with covariance S, whose squared Mahalanobis distance is d2, against another
-/// feature there that is not known yet.
+/// The logarithm of the density of a difference whose covariance has this determinant, at the squared Mahalanobis distance d2.
 template <int Dim>
-double gain(const Point<Dim>& difference, const PointMatrix<Dim>& S, double d2, double log_determinant,
-            const NeighbourDensity<Dim>& density) {
-  const double log_likelihood = -0.5 * (d2 + log_determinant + Dim * std::log(2.0 * std::numbers::pi));
-  return log_likelihood - density.log_within(difference.squaredNorm(), S.trace() / Dim);
+double log_likelihood(double d2, double log_determinant) {
+  return -0.5 * (d2 + log_determinant + Dim * std::log(2.0 * std::numbers::pi));
+}
+
+/// The logarithm of the density of other features, not known yet, where a difference of covariance S puts them.
+template <int Dim>
+double log_others(const Point<Dim>& difference, const PointMatrix<Dim>& S, const NeighbourDensity<Dim>& density) {
+  return density.log_within(difference.squaredNorm(), S.trace() / Dim);
 }
 
 /// The logarithm of the determinant of a matrix by its Cholesky factor.
@@ -74,24 +77,26 @@ class DifferenceInformation {
   std::vector<std::size_t> left_;
 };
 
-/// The log odds that pairings are right, against other features there that are not known yet.
+/// The log odds that pairings are right, against other features there that are not known yet: one of the two was then
+/// overlooked from each of the problem's distances.
 template <int Dim>
 class PairingOdds {
  public:
-  /// `log_overlooked`, by place: of the chance that another feature there was overlooked. The references must outlive this.
-  PairingOdds(const NeighbourDensity<Dim>& density, const std::vector<double>& log_overlooked)
-      : density_(density), log_overlooked_(log_overlooked) {}
+  /// `gate` is that of one pairing. The references must outlive this.
+  PairingOdds(const PairingProblem<Dim>& problem, const std::vector<Pairing>& pairings, const NeighbourDensity<Dim>& density,
+              double gate)
+      : problem_(problem), pairings_(pairings), density_(density), gate_(gate) {}
 
   /// Those of a pairing, given all others left.
   double of(std::size_t place, const DifferenceInformation<Dim>& information) const {
-    const auto [difference, covariance, d2, log_determinant] = information.given_others(place);
-    return gain<Dim>(difference, covariance, d2, log_determinant, density_) - log_overlooked_[place];
+    const ConditionalDifference<Dim> given = information.given_others(place);
+    return log_likelihood<Dim>(given.squared_distance, given.log_determinant) - log_of_another(place, given);
   }
 
-  /// Takes out, the weakest first, each pairing that is more probably of another feature, given those still left. Returns the
-  /// sum of their log odds, all negative.
-  double shed(DifferenceInformation<Dim>& information) const {
-    double sum = 0.0;
+  /// Takes out, the weakest first, each pairing that is more probably of another feature, given those still left. Returns their
+  /// places, in this order.
+  std::vector<std::size_t> shed(DifferenceInformation<Dim>& information) const {
+    std::vector<std::size_t> taken;
     while (true) {
       double least = 0.0;
       std::size_t weakest = 0;
@@ -102,23 +107,52 @@ class PairingOdds {
           weakest = k;
         }
       }
-      if (least == 0.0) return sum;
-      sum += least;
+      if (least == 0.0) return taken;
+      taken.push_back(weakest);
       information.take_out(weakest);
     }
   }
 
   /// Those of a pairing and of all that fall with it, together. Two wrong pairings may fit each other where neither fits the
-  /// rest.
-  double of_falling(std::size_t place, DifferenceInformation<Dim> information) const {
-    const double own = of(place, information);
-    information.take_out(place);
-    return own + shed(information);
+  /// rest: the other features, of which they are then, stand where the rest alone puts them.
+  double of_falling(std::size_t place, const DifferenceInformation<Dim>& information) const {
+    DifferenceInformation<Dim> rest = information;
+    rest.take_out(place);
+    std::vector<std::size_t> fallen = shed(rest);
+    if (fallen.empty()) return of(place, information);
+    fallen.insert(fallen.begin(), place);
+    DifferenceInformation<Dim> left = information;
+    double sum = 0.0;
+    for (const std::size_t k : fallen) {
+      const ConditionalDifference<Dim> given = left.given_others(k);
+      sum += log_likelihood<Dim>(given.squared_distance, given.log_determinant) -
+             log_of_another(k, given_rest(k, fallen, information));
+      left.take_out(k);
+    }
+    return sum;
   }
 
  private:
+  /// The difference of one of the fallen, given all that have not fallen.
+  ConditionalDifference<Dim> given_rest(std::size_t place, const std::vector<std::size_t>& fallen,
+                                        DifferenceInformation<Dim> information) const {
+    for (const std::size_t k : fallen) {
+      if (k != place) information.take_out(k);
+    }
+    return information.given_others(place);
+  }
+
+  /// The logarithm of the density of another feature there, and of the chance that one of the two was overlooked.
+  double log_of_another(std::size_t place, const ConditionalDifference<Dim>& given) const {
+    const double error = std::sqrt(gate_ * given.covariance.trace());
+    return log_others<Dim>(given.difference, given.covariance, density_) +
+           problem_.log_overlooked(pairings_[place].known, error);
+  }
+
+  const PairingProblem<Dim>& problem_;
+  const std::vector<Pairing>& pairings_;
   const NeighbourDensity<Dim>& density_;
-  const std::vector<double>& log_overlooked_;
+  double gate_;
 };
 
 }  // namespace
@@ -150,8 +184,9 @@ std::optional<Extension<Dim>> extension_by(const Pairing& pairing, const Remaind
   const double own = whitened.squaredNorm();
   const bool is_within = own <= gates(Dim) && d2 + own <= gates(rows + Dim);  // false if the covariance is not finite
   if (!is_within) return std::nullopt;
-  const double log_odds = gain<Dim>(left.difference, left.covariance, own, log_determinant<Dim>(factor), density);
-  return Extension<Dim>{pairing, log_odds, left.covariance, whitened, {}};
+  const double gain =
+      log_likelihood<Dim>(own, log_determinant<Dim>(factor)) - log_others<Dim>(left.difference, left.covariance, density);
+  return Extension<Dim>{pairing, gain, left.covariance, whitened, {}};
 }
 
 template <int Dim>
@@ -182,12 +217,7 @@ std::vector<std::optional<GivenOthers<Dim>>> Hypothesis<Dim>::given_others(const
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(whitened_.size(), whitened_.size());
   factor_.template triangularView<Eigen::Lower>().solveInPlace(inverse);
   const DifferenceInformation<Dim> all(inverse, whitened_);
-  std::vector<double> log_overlooked;
-  for (const std::size_t place : all.left()) {
-    const double error = std::sqrt(gates(Dim) * all.given_others(place).covariance.trace());
-    log_overlooked.push_back(problem_->log_overlooked(pairings_[place].known, error));
-  }
-  const PairingOdds<Dim> odds(density, log_overlooked);
+  const PairingOdds<Dim> odds(*problem_, pairings_, density, gates(Dim));
   DifferenceInformation<Dim> sound = all;
   odds.shed(sound);
   std::vector<std::optional<GivenOthers<Dim>>> given;

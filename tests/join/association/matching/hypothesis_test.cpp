@@ -144,26 +144,46 @@ TYPED_TEST(HypothesisTest, KnowsThatAPairingIsOutsideOfItsGateGivenAllOthers) {
 
 /// Three pairings fit; two more are off together, by 3.5 deviations of an error that they share: of new features, more
 /// probably, but each fits well given the other.
-TYPED_TEST(HypothesisTest, KnowsThatPairingsWhichOnlySupportEachOtherFallTogether) {
-  constexpr int kDim = TestFixture::kDim;
-  PairingProblem<kDim> problem;
-  std::vector<Pairing> pairings;
+/// Three right pairings, and two wrong ones that fit each other: both are 7 m off, by an error that they have in common.
+template <int Dim>
+PairingProblem<Dim> problem_of_two_that_fit_each_other() {
+  PairingProblem<Dim> problem;
   for (std::size_t k = 0; k < 5; ++k) {
-    problem.known.push_back(Point<kDim>::Constant(100.0 * static_cast<double>(k)));
-    problem.sightings.push_back(problem.known.back() + (k < 3 ? 0.0 : 7.0) * Point<kDim>::Unit(0));
-    pairings.push_back({k, k});
+    problem.known.push_back(Point<Dim>::Constant(100.0 * static_cast<double>(k)));
+    problem.sightings.push_back(problem.known.back() + (k < 3 ? 0.0 : 7.0) * Point<Dim>::Unit(0));
   }
-  problem.covariance = 0.01 * Eigen::MatrixXd::Identity(10 * kDim, 10 * kDim);
+  problem.covariance = 0.01 * Eigen::MatrixXd::Identity(10 * Dim, 10 * Dim);
   for (std::size_t i = 3; i < 5; ++i) {
     for (std::size_t k = 3; k < 5; ++k) problem.covariance(problem.row_of_sighting(i), problem.row_of_sighting(k)) += 4.0;
   }
-  std::vector<Point<kDim>> line;  // one a metre
-  for (int k = 0; k < 50; ++k) line.push_back(static_cast<double>(k) * Point<kDim>::Unit(kDim - 1));
-  const NeighbourDensity<kDim> dense(std::vector<std::vector<Point<kDim>>>{line}, PointMatrix<kDim>::Identity());
+  return problem;
+}
+
+/// The density of features that stand in a line, one a metre.
+template <int Dim>
+NeighbourDensity<Dim> density_of_a_line() {
+  std::vector<Point<Dim>> line;
+  for (int k = 0; k < 50; ++k) line.push_back(static_cast<double>(k) * Point<Dim>::Unit(Dim - 1));
+  return NeighbourDensity<Dim>(std::vector<std::vector<Point<Dim>>>{line}, PointMatrix<Dim>::Identity());
+}
+
+/// The log density of other features where an extension puts them.
+template <int Dim>
+double log_others(const Extension<Dim>& extension, const NeighbourDensity<Dim>& density) {
+  const Point<Dim> difference = extension.covariance.llt().matrixL() * extension.whitened;
+  return density.log_within(difference.squaredNorm(), extension.covariance.trace() / Dim);
+}
+
+/// The other features, of which they are if they are wrong, stand where the right ones put them: not within the two's distance.
+TYPED_TEST(HypothesisTest, KnowsThatPairingsWhichOnlySupportEachOtherFallTogether) {
+  constexpr int kDim = TestFixture::kDim;
+  const PairingProblem<kDim> problem = problem_of_two_that_fit_each_other<kDim>();
+  const NeighbourDensity<kDim> dense = density_of_a_line<kDim>();
   Hypothesis<kDim> hypothesis(problem);
   hypothesis.extend_by({{0, 0}, {1, 1}, {2, 2}}, dense, this->gates_);
+  const auto alone = hypothesis.extension({3, 3}, dense, this->gates_);
   const auto fallen = hypothesis.extension({4, 4}, dense, this->gates_);
-  ASSERT_TRUE(fallen);
+  ASSERT_TRUE(alone && fallen);
   ASSERT_LT(fallen->gain, 0.0);
   hypothesis.extend(*fallen);
   const auto given_it = hypothesis.extension({3, 3}, dense, this->gates_);
@@ -172,8 +192,31 @@ TYPED_TEST(HypothesisTest, KnowsThatPairingsWhichOnlySupportEachOtherFallTogethe
   hypothesis.extend(*given_it);
   const auto given = hypothesis.given_others(dense, this->gates_);
   ASSERT_TRUE(given[0] && given[3]);
-  EXPECT_NEAR(given[3]->gain, given_it->gain + fallen->gain, 1e-9);
+  const double log_likelihood = given_it->gain + log_others(*given_it, dense) + fallen->gain + log_others(*fallen, dense);
+  EXPECT_GT(std::abs(log_others(*alone, dense) - log_others(*given_it, dense)), 0.1);
+  EXPECT_NEAR(given[3]->gain, log_likelihood - log_others(*alone, dense) - log_others(*fallen, dense), 1e-9);
   EXPECT_GT(given[0]->gain, 0.0);
+}
+
+/// Where a pairing says where a feature is, and nothing else does, nobody knows from how far the other one was overlooked.
+TYPED_TEST(HypothesisTest, WhatOnlyTheOtherWrongPairingPutsNearByIsNotOverlooked) {
+  constexpr int kDim = TestFixture::kDim;
+  std::vector<SightingTrial> trials;
+  for (int k = 1; k <= 1000; ++k) trials.emplace_back(0.01 * k, true);
+  const SightingChance sees(trials);  // whatever is within 10 m
+  PairingProblem<kDim> problem = problem_of_two_that_fit_each_other<kDim>();
+  problem.sees = &sees;
+  problem.distances.assign(problem.known.size(), {5.0, 5.0});
+  const NeighbourDensity<kDim> dense = density_of_a_line<kDim>();
+  Hypothesis<kDim> hypothesis(problem);
+  hypothesis.extend_by({{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}}, dense, this->gates_);
+  ASSERT_EQ(hypothesis.pairings().size(), 5u);
+  const auto given = hypothesis.given_others(dense, this->gates_);
+  problem.sees = nullptr;
+  const auto without = hypothesis.given_others(dense, this->gates_);
+  ASSERT_TRUE(given[0] && given[3] && without[0] && without[3]);
+  EXPECT_NEAR(given[3]->gain, without[3]->gain, 1e-9);
+  EXPECT_NEAR(given[0]->gain, without[0]->gain - 2.0 * sees.log_overlooked(5.0, 0.5), 1e-9);
 }
 
 TYPED_TEST(HypothesisTest, GrowsAsIfAllKnownFeaturesWereShifted) {
