@@ -65,8 +65,9 @@ bool has_extra_file(Extra extra, const fs::path& map) {
   const char* const in_folder = row_of(extra).in_folder;
   if (fs::is_directory(map, ignored)) return fs::is_regular_file(map / in_folder, ignored);
   const std::string name = map.filename().string();
-  const bool is_of_run = name == kMapOfRun || is_extra_of_run(name);
-  return fs::is_regular_file(is_of_run ? map.parent_path() / in_folder : extra_file(extra, map), ignored);
+  const bool may_be_of_run = name == kMapOfRun || is_extra_of_run(name);
+  return fs::is_regular_file(extra_file(extra, map), ignored) ||
+         (may_be_of_run && fs::is_regular_file(map.parent_path() / in_folder, ignored));
 }
 
 bool is_extra_of_run(const std::string& name) {

@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <tbb/info.h>
 #include <unistd.h>
 
@@ -18,7 +19,6 @@
 #include <string>
 #include <string_view>
 #include <thread>
-#include <utility>
 
 extern "C" {  // Null if the BLAS is not OpenBLAS.
 [[gnu::weak]] char* openblas_get_config();
@@ -87,10 +87,11 @@ extern "C" void on_missing_page(int) {
 }  // namespace
 
 void occupy_standard_streams() {
-  for (const auto& [stream, mode] :
-       {std::pair(STDIN_FILENO, O_RDONLY), std::pair(STDOUT_FILENO, O_RDONLY), std::pair(STDERR_FILENO, O_WRONLY)}) {
-    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", mode);  // the lowest descriptor that is free
-  }
+  const auto is_closed = [](int stream) { return ::fcntl(stream, F_GETFD) < 0; };
+  // Each call takes the lowest descriptor that is free. A socket without a peer cannot be opened by its path either.
+  if (is_closed(STDIN_FILENO)) ::open("/dev/null", O_RDONLY);
+  if (is_closed(STDOUT_FILENO)) ::socket(AF_UNIX, SOCK_STREAM, 0);
+  if (is_closed(STDERR_FILENO)) ::open("/dev/null", O_WRONLY);
 }
 
 Expected<void> check_process_limits() {

@@ -8,8 +8,9 @@
 
 namespace mapjoin::apps {
 
-/// Puts /dev/null in the place of each standard stream that is closed, so that no file which is opened later takes the place
-/// and what is written there; of standard output so that writing fails. To be called before any file is opened.
+/// Puts something in the place of each standard stream that is closed, so that no file which is opened later takes the place
+/// and what is written there. Writing to standard output then fails, also by /dev/stdout. To be called before any file is
+/// opened.
 void occupy_standard_streams();
 
 /// Checks the limits of the process (`ulimit -v`, `ulimit -d`): kTooLarge if they leave less than the threads and their BLAS

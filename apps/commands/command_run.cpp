@@ -144,7 +144,7 @@ void CommandRun::say_what_is_left() {
 
 void CommandRun::say_what_is_left_out() const {
   std::vector<std::string> names;
-  for (const ExtraFile& file : extra_files(options_, false)) {
+  for (const ExtraFile& file : extra_files(options_)) {
     if (file.beside) names.emplace_back(file.in_folder);
   }
   if (names.empty()) return;

@@ -36,16 +36,6 @@ std::vector<std::string> settle_batch(const Subcommand& command, Options& settle
   return {*asked + " is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
 }
 
-/// Violations, in words: options that do nothing but write a file beside a map which is no file.
-std::vector<std::string> check_beside(const Options& options) {
-  std::vector<std::string> violations;
-  if (!is_stream(options.output)) return violations;
-  constexpr const char* kWhy = " writes a file beside the map, and --output is no file";
-  if (options.covariances) violations.push_back(std::string("--covariances") + kWhy);
-  if (options.relations) violations.push_back(std::string("--relations") + kWhy);
-  return violations;
-}
-
 }  // namespace
 
 std::optional<SplitOptions> split_by_poses(const std::string& word) {
@@ -236,7 +226,6 @@ void add_certainty(Subcommand& command, Options& options) {
   add_most_memory(command, options, "For covariances, which are refused where they take more [as much as there is]");
   command.only_with("--max-memory", "--covariances, --relations and --truth",
                     [&options] { return options.covariances || options.relations || !options.truth.empty(); });
-  command.check([&options] { return check_beside(options); });
 }
 
 void add_most_memory(Subcommand& command, Options& options, const std::string& help) {

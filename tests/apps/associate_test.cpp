@@ -82,7 +82,8 @@ TEST_F(AssociateCommandTest, ComparesNoFeaturesWithThoseOfATruth) {
   ASSERT_EQ(call({"build", file("log.g2o"), "--associate", "--quiet", "-o", file("log.maps")}).exit_code, 0);
   EXPECT_THAT(call({"join", file("log.maps"), "--truth", file("truth.g2o")}).out,
               AllOf(Not(HasSubstr("NEES         features")), HasSubstr(said)));
-  for (const std::string map : {"result", "result/map.g2o"}) {
+  ASSERT_EQ(call({"run", file("log.g2o"), "--associate", "--quiet", "-o", file("map.g2o")}).exit_code, 0);
+  for (const std::string map : {"result", "result/map.g2o", "map.g2o"}) {
     const Ended error = call({"error", file(map), file("truth.g2o")});
     EXPECT_THAT(error.out, AllOf(HasSubstr("ATE          60 of 60 poses"), Not(HasSubstr("\nfeatures")), HasSubstr(said)));
     EXPECT_THAT(call({"plot", file(map), "--truth", file("truth.g2o"), "--quiet", "-o", file("plot.svg")}).err,
