@@ -111,6 +111,16 @@ tl::unexpected<Error> both_under_way(std::uint32_t session, std::uint32_t other,
                         session, other, time)});
 }
 
+/// True for a file with a trajectory of TUM's or KITTI's, whose poses have no names. False for a pipe, which can be read only
+/// once.
+bool is_trajectory_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto bytes = std::filesystem::is_regular_file(path, ignored) ? FileBytes::read(path) : bad_input("");
+  if (!bytes) return false;
+  const TextScanner text(path.string(), bytes->view());
+  return is_tum_line(text) || is_kitti_line(text);
+}
+
 }  // namespace
 
 template <int Dim>
@@ -132,14 +142,6 @@ Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time(const std::vector<S
   return found;
 }
 
-bool is_trajectory_file(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const auto bytes = std::filesystem::is_regular_file(path, ignored) ? FileBytes::read(path) : bad_input("");
-  if (!bytes) return false;
-  const TextScanner text(path.string(), bytes->view());
-  return is_tum_line(text) || is_kitti_line(text);
-}
-
 TruthFile::TruthFile(const std::filesystem::path& path, double most_apart)
     : path_(path.string()), most_apart_(most_apart), takes_features_(!has_extra_file(Extra::kAssociations, path)) {
   if (is_run_folder(path)) {
@@ -158,6 +160,11 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart)
     return;
   }
   content_ = with_values(mapjoin::read_log(bytes.view(), path_, {}).value(), path_);
+}
+
+void TruthFile::take_map(const std::filesystem::path& map) {
+  is_map_trajectory_ = is_trajectory_file(map);
+  if (has_extra_file(Extra::kAssociations, map)) leave_features_out();
 }
 
 bool TruthFile::has_features() const {

@@ -41,10 +41,6 @@ Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time(const std::vector<S
                                                              const Table<PoseIndex, std::int64_t>& stamps_ns,
                                                              double most_apart);
 
-/// True for a file with a trajectory of TUM's or KITTI's, whose poses have no names. False for a pipe, which can be read only
-/// once.
-bool is_trajectory_file(const std::filesystem::path& path);
-
 /// The truth in a file. All of it may fail() (see exit_code.hpp).
 class TruthFile {
  public:
@@ -59,10 +55,10 @@ class TruthFile {
     if (whole.stamps_ns.empty()) demand_counts();
     counted_ = whole.poses;
   }
-  /// Takes the map for that of a trajectory file from now on, whose names are but counts: also in a truth with names its poses
-  /// are found by time stamp or, if one of them has none, by count.
-  void take_map_for_trajectory() { is_map_trajectory_ = true; }
-
+  /// Learns from the path of the map what its names say from now on. Those of a trajectory file are but counts: also in a truth
+  /// with names its poses are found by time stamp or, if one of them has none, by count. Features that `--associate` named are
+  /// left out, as by leave_features_out().
+  void take_map(const std::filesystem::path& map);
   /// Compares no features from now on: `--associate` named those of the map, as those of no other map.
   void leave_features_out() { takes_features_ = false; }
   /// True if the truth has features that are not compared: `--associate` named them, or those of the map.
@@ -99,7 +95,7 @@ class TruthFile {
   double most_apart_;
   std::variant<AnyLog, std::vector<StampedPose>> content_;
   bool has_times_ = false;          ///< True for a trajectory whose lines begin with more than a count.
-  bool is_map_trajectory_ = false;  ///< Set by take_map_for_trajectory().
+  bool is_map_trajectory_ = false;  ///< Set by take_map().
   bool takes_features_ = true;      ///< False if names of features are those of `--associate`.
   PoseIds counted_;                 ///< Set by count_among().
 };

@@ -41,8 +41,7 @@ ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop
   CommandRun command_run("error", options, stop);
   command_run.prepare(report_of(options));
   TruthFile truth(options.true_map, options.most_apart);
-  if (is_trajectory_file(options.input)) truth.take_map_for_trajectory();
-  if (has_extra_file(Extra::kAssociations, options.input)) truth.leave_features_out();
+  truth.take_map(options.input);
   const auto measure = [&](auto&& log) { command_run.measure(map_of(std::move(log)), truth, options.errors); };
   std::visit(measure, command_run.read_log());
   const TruthErrors& errors = *command_run.run_report.errors;

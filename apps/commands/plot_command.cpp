@@ -91,9 +91,7 @@ std::string drawn(const PlotOptions& options, const Scene<Dim>& scene) {
 template <int Dim>
 Truth<Dim> read_truth(const PlotOptions& options, const GlobalMap<Dim>& first) {
   TruthFile file(options.truth_of_first, kMatchingTimes);
-  const std::filesystem::path& map = options.inputs.front();
-  if (is_trajectory_file(map)) file.take_map_for_trajectory();
-  if (has_extra_file(Extra::kAssociations, map)) file.leave_features_out();
+  file.take_map(options.inputs.front());
   if (file.leaves_features_out()) {
     say(options.truth_of_first.string() + ": its features are not drawn: --associate named them, or those of the first map");
   }
