@@ -55,12 +55,13 @@ void read_row(const std::vector<std::string>& columns, TextScanner& text, Global
   if (known.size() < table.pose_ids.size()) text.reject(to_string(id) + " has a line before this one");
 }
 
+/// The log of the poses, in the order of the table.
 template <int Dim>
 Expected<AnyLog> log_of_poses(const GlobalMap<Dim>& table, const std::string& file) {
   LogBuilder<Dim> builder(file);
   for (const PoseIndex p : indices(table.poses)) builder.add_pose(table.pose_ids[p], table.poses[p]);
   for (const PoseIndex p : indices(table.stamps_ns)) builder.add_stamp(table.pose_ids[p], table.stamps_ns[p]);
-  return std::move(builder).finish();
+  return std::move(builder).finish(table.pose_ids);
 }
 
 }  // namespace

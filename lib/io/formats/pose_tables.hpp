@@ -34,7 +34,7 @@ bool is_pose_csv(std::string_view bytes);
 template <int Dim>
 Expected<GlobalMap<Dim>> read_pose_table(std::string_view bytes, const std::string& file);
 
-/// The poses of read_pose_table() as a log, in the dimension of the header.
+/// The poses of read_pose_table() as a log, in the order of the table and the dimension of its header.
 Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions& options);
 
 }  // namespace mapjoin

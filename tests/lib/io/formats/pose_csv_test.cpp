@@ -42,6 +42,15 @@ TYPED_TEST(PoseCsvTest, BringsBackWhatWriteCsvWrote) {
   }
 }
 
+TEST(PoseCsv, KeepsTheOrderOfTheTable) {
+  const TemporaryFolder folder;
+  const auto path = folder.file("poses.csv", "pose,x,y,phi,stamp_ns\n0,0,0,0,5\n2,1,0,0,6\n1,2,0,0,7\n");
+  const auto log = std::get<Log<2>>(open_log(path).value());
+  EXPECT_EQ(log.poses, PoseIds({{0, 0}, {0, 2}, {0, 1}}));
+  EXPECT_THAT(log.stamps_ns, ElementsAre(5, 6, 7));
+  EXPECT_EQ(log.initial.poses[PoseIndex(1)].translation, Point<2>(1, 0));
+}
+
 TEST(PoseCsv, NamesThePlaceOfWhatIsWrong) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text) { return open_log(folder.file("map.csv", text)).error().message; };
