@@ -96,7 +96,8 @@ Expected<Database> Database::open(const std::filesystem::path& path, int flags, 
   database.file_ = path.string();
   database.kind_ = kind;
   sqlite3* handle = nullptr;
-  const int status = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  const std::filesystem::path plain = "." / path;  // SQLite takes a name that begins with `file:` for a URI.
+  const int status = sqlite3_open_v2(plain.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   database.database_.reset(handle);
   if (status != SQLITE_OK) return database.error();
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);

@@ -122,6 +122,16 @@ TEST_F(StoreFileTest, WhatIsNoPlainFileIsKeptAndALinkStaysALink) {
   EXPECT_EQ(fs::file_size(folder.path() / "elsewhere"), fs::file_size(path));
 }
 
+TEST_F(StoreFileTest, ANameLikeAUriIsThatOfAFile) {
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path());
+  path = "file:maps.mapjoin?mode=ro";
+  build_store(path, maps);
+  EXPECT_TRUE(fs::exists(folder.path() / path));
+  EXPECT_EQ(error(), "no error");
+  fs::current_path(before);
+}
+
 TEST_F(StoreFileTest, ADamagedOrAlteredBuildIsBegunAfresh) {
   const auto begin = [&] {
     fs::remove(partial);
