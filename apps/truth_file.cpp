@@ -93,6 +93,14 @@ AnyLog with_values(AnyLog log, const std::string& path) {
   return log;
 }
 
+/// The options of a map for reading its truth, whose format and conventions of weights are its own.
+ReadOptions for_truth(ReadOptions of_map) {
+  of_map.from = {};
+  of_map.pose_error = {};
+  of_map.rotation_information = {};
+  return of_map;
+}
+
 /// The names that a trajectory has for so many poses.
 PoseIds counts(std::size_t poses) {
   PoseIds names;
@@ -142,10 +150,11 @@ Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time(const std::vector<S
   return found;
 }
 
-TruthFile::TruthFile(const std::filesystem::path& path, double most_apart)
+TruthFile::TruthFile(const std::filesystem::path& path, double most_apart, const ReadOptions& read)
     : path_(path.string()), most_apart_(most_apart), takes_features_(!has_extra_file(Extra::kAssociations, path)) {
+  const ReadOptions options = for_truth(read);
   if (is_run_folder(path)) {
-    content_ = with_values(open_log(path).value(), path_);
+    content_ = with_values(open_log(path, options).value(), path_);
     return;
   }
   const FileBytes bytes = FileBytes::read(path).value();
@@ -156,10 +165,10 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart)
     return;
   }
   if (is_kitti_line(text)) {
-    content_ = counted(read_kitti_log(text, {}).value());
+    content_ = counted(read_kitti_log(text, options).value());
     return;
   }
-  content_ = with_values(mapjoin::read_log(bytes.view(), path_, {}).value(), path_);
+  content_ = with_values(mapjoin::read_log(bytes.view(), path_, options).value(), path_);
 }
 
 void TruthFile::take_map(const std::filesystem::path& map) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <mapjoin/io/formats/trajectory.hpp>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
@@ -45,8 +46,9 @@ Expected<Table<PoseIndex, std::optional<Pose<Dim>>>> by_time(const std::vector<S
 class TruthFile {
  public:
   /// Reads a trajectory of TUM's or KITTI's, or a log whose file gives values: g2o or TORO with vertices, the CSV table of a
-  /// map, the folder of a run. Times match if they are at most `most_apart` (s) apart.
-  explicit TruthFile(const std::filesystem::path& path, double most_apart = kSameTime);
+  /// map, the folder of a run. Times match if they are at most `most_apart` (s) apart. Of the options `read` of the map count
+  /// those that leave lines out or repair weights.
+  explicit TruthFile(const std::filesystem::path& path, double most_apart = kSameTime, const ReadOptions& read = {});
 
   /// Counts the poses of a trajectory without times among those of a whole log from now on, even for the map of a part. kUsage
   /// if the log has no time stamps and the trajectory has times with fractions of seconds.

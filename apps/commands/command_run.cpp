@@ -77,7 +77,7 @@ CommandRun::CommandRun(const std::string& command, const Options& options, std::
 void CommandRun::prepare(const NamedFiles& outputs) {
   check_writable(outputs);
   if (options_.truth.empty()) return;
-  truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth); });
+  truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth, kSameTime, options_.read); });
   const auto is_associated = [](const std::filesystem::path& input) { return has_extra_file(Extra::kAssociations, input); };
   if (options_.association || std::ranges::any_of(inputs(), is_associated)) truth_->leave_features_out();
 }

@@ -40,7 +40,7 @@ GlobalMap<Dim> map_of(Log<Dim> log) {
 ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop) {
   CommandRun command_run("error", options, stop);
   command_run.prepare(report_of(options));
-  TruthFile truth(options.true_map, options.most_apart);
+  TruthFile truth(options.true_map, options.most_apart, options.read);
   truth.take_map(options.input);
   const auto measure = [&](auto&& log) { command_run.measure(map_of(std::move(log)), truth, options.errors); };
   std::visit(measure, command_run.read_log());

@@ -90,7 +90,7 @@ std::string drawn(const PlotOptions& options, const Scene<Dim>& scene) {
 /// Reads the truth of the first map, and says of how few poses it is if not of all.
 template <int Dim>
 Truth<Dim> read_truth(const PlotOptions& options, const GlobalMap<Dim>& first) {
-  TruthFile file(options.truth_of_first, kMatchingTimes);
+  TruthFile file(options.truth_of_first, kMatchingTimes, options.read);
   file.take_map(options.inputs.front());
   if (file.leaves_features_out()) {
     say(options.truth_of_first.string() + ": its features are not drawn: --associate named them, or those of the first map");

@@ -37,6 +37,15 @@ TEST_F(ReadingOptions, OfG2oAreRefusedForOtherFormats) {
                  "log.isam: is not in g2o, for which --g2o-error and --rotation-information are");
 }
 
+TEST_F(ReadingOptions, ThatLeaveLinesOutHoldForTheTruth) {
+  const std::string truth = folder.file("truth.g2o", "VERTEX_SE2 0 0 0 0\nSCAN 1\nVERTEX_SE2 1 1 0 0\n").string();
+  const std::string map = folder.file("map.csv", "pose,x,y,phi\n0,0,0,0\n1,1,0,0\n").string();
+  const Words words = {"error", map, truth, "--skip-unknown", "--from", "csv"};
+  EXPECT_EQ(report_of(words)["errors"]["ate"]["translation"]["count"], 2);
+  expect_failure(call({"run", log, "--truth", truth}), 3, "unknown tag 'SCAN'");
+  EXPECT_EQ(call({"run", log, "--truth", truth, "--skip-unknown", "--rotation-information", "quaternion"}).exit_code, 0);
+}
+
 TEST_F(ReadingOptions, OfSeveralInputsAreRefusedForOne) {
   expect_failure(call({"run", log, "--features", "own"}), 2, "--features own is of several inputs");
   expect_failure(call({"check", log, "--keep-copies"}), 2, "--keep-copies is of several inputs");
