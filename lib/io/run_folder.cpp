@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
@@ -61,12 +63,21 @@ bool rename(const Table<Index, Id>& told, const Table<Index, Value>& told_values
   return true;
 }
 
+tl::unexpected<Error> not_alone(const fs::path& table, const fs::path& missing) {
+  return bad_input(fmt::format("{}: is missing beside {}; both tell the names of {}, and without both it is read as it is",
+                               missing.string(), table.filename().string(), kMapOfRun));
+}
+
 template <int Dim>
 Expected<AnyLog> with_names_of_run(const fs::path& folder, Log<Dim> log) {
   const fs::path poses = folder / "poses.csv";
   const fs::path features = folder / "features.csv";
   std::error_code ignored;
-  if (!fs::is_regular_file(poses, ignored) || !fs::is_regular_file(features, ignored)) return AnyLog(std::move(log));
+  const bool has_poses = fs::is_regular_file(poses, ignored);
+  const bool has_features = fs::is_regular_file(features, ignored);
+  if (!has_poses && !has_features) return AnyLog(std::move(log));
+  if (!has_poses) return not_alone(features, poses);
+  if (!has_features) return not_alone(poses, features);
   const auto told = read_tables<Dim>(poses, features);
   if (!told) return tl::unexpected(told.error());
   return with_names(*told, std::move(log), poses).map([&](Log<Dim>&& named) {

@@ -17,7 +17,7 @@ inline constexpr const char* kMapOfRun = "map.g2o";
 bool is_run_folder(const std::filesystem::path& path);
 
 /// The log in the `map.g2o` of the folder of a run, with the names, the order and the time stamps that `poses.csv` and
-/// `features.csv` beside it tell; without these as it is. Bad input, too, if they are of another map.
+/// `features.csv` beside it tell; without both as it is. Bad input, too, if one is missing, or if they are of another map.
 Expected<AnyLog> read_run_folder(const std::filesystem::path& folder, const ReadOptions& options);
 
 /// The log of a map under the names that `told` has, with poses in its order. A g2o file has one numbering, and so names

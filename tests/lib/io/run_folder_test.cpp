@@ -62,6 +62,8 @@ TEST_F(RunFolder, IsALogUnderTheNamesOfTheLogThatItWasMadeOf) {
 
 TEST_F(RunFolder, WithoutItsTablesHasTheNamesOfItsMap) {
   std::filesystem::remove(folder_.path() / "features.csv");
+  EXPECT_THAT(testing::error_of(open_log(folder_.path())), HasSubstr("features.csv: is missing beside poses.csv"));
+  std::filesystem::remove(folder_.path() / "poses.csv");
   EXPECT_EQ(read().poses, std::get<Log<2>>(open_log(folder_.path() / kMapOfRun).value()).poses);
 }
 
