@@ -19,10 +19,18 @@ constexpr double kMostSpeed = 1e6;
 constexpr double kLeastRange = 1e-6;
 constexpr double kMostRange = 1e6;
 
-fs::path file_in(const fs::path& folder, const std::string& name) {
+bool has_file(const fs::path& path) {
   std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+/// The path of a file, which may be packed; bad input if it is there in both ways.
+Expected<fs::path> file_in(const fs::path& folder, const std::string& name) {
+  const fs::path plain = folder / name;
   const fs::path packed = folder / (name + ".gz");
-  return fs::exists(packed, ignored) ? packed : folder / name;
+  if (!has_file(packed)) return plain;
+  if (has_file(plain)) return bad_input(plain.string() + ": is there twice, packed and unpacked; remove one");
+  return packed;
 }
 
 /// Hands every line of a file to `read`.
@@ -83,15 +91,17 @@ Expected<std::map<std::uint64_t, std::uint64_t>> read_subjects(const fs::path& p
       .map([&] { return std::move(subjects); });
 }
 
-/// The odometry and sightings of a robot; nullopt if the folder has no odometry of it.
+/// The odometry and sightings of a robot; nullopt if the folder has neither.
 Expected<std::optional<Robot>> read_robot(const fs::path& folder, std::uint64_t subject) {
-  const fs::path odometry_file = file_in(folder, fmt::format("Robot{}_Odometry.dat", subject));
-  std::error_code ignored;
-  if (!fs::exists(odometry_file, ignored)) return std::nullopt;
-  auto odometry = read_odometry(odometry_file);
+  const auto odometry_file = file_in(folder, fmt::format("Robot{}_Odometry.dat", subject));
+  if (!odometry_file) return tl::unexpected(odometry_file.error());
+  const auto sightings_file = file_in(folder, fmt::format("Robot{}_Measurement.dat", subject));
+  if (!sightings_file) return tl::unexpected(sightings_file.error());
+  if (!has_file(*odometry_file) && !has_file(*sightings_file)) return std::nullopt;
+  auto odometry = read_odometry(*odometry_file);
   if (!odometry) return tl::unexpected(odometry.error());
-  if (odometry->empty()) return bad_input(odometry_file.string() + ": there is no odometry");
-  return read_sightings(file_in(folder, fmt::format("Robot{}_Measurement.dat", subject))).map([&](auto&& sightings) {
+  if (odometry->empty()) return bad_input(odometry_file->string() + ": there is no odometry");
+  return read_sightings(*sightings_file).map([&](auto&& sightings) {
     return std::optional(Robot{*std::move(odometry), std::move(sightings)});
   });
 }

@@ -154,9 +154,19 @@ TEST_F(MrclamTest, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(message(), EndsWith("Robot1_Odometry.dat:1:5: 'nan' stands where a number is expected"));
   folder.file("Barcodes.dat", "1 5\n2 5\n");
   EXPECT_THAT(message(), EndsWith("Barcodes.dat:2:3: this barcode is there a second time"));
-  std::filesystem::remove(folder.path() / "Robot1_Odometry.dat");
+  for (const char* name : {"Robot1_Odometry.dat", "Robot1_Measurement.dat"}) std::filesystem::remove(folder.path() / name);
   folder.file("Barcodes.dat", "1 5\n");
   EXPECT_THAT(message(), EndsWith(": the log has no poses"));
+}
+
+TEST_F(MrclamTest, NeedsBothFilesOfARobot) {
+  folder.file("Robot3_Measurement.dat", "2 72 4 0\n");
+  EXPECT_THAT(message(), EndsWith("Robot3_Odometry.dat: No such file or directory"));
+}
+
+TEST_F(MrclamTest, RefusesAFileThatIsThereTwice) {
+  folder.file("Robot1_Odometry.dat.gz", "");
+  EXPECT_THAT(message(), EndsWith("Robot1_Odometry.dat: is there twice, packed and unpacked; remove one"));
 }
 
 /// The lines of a table: the numbers after the first one, by the first one.
