@@ -97,6 +97,11 @@ std::uint32_t class_of(std::string_view element) {
   return word(element, 2 * kTagSize) & 0xff;
 }
 
+/// True unless it holds further variables, or an object of MATLAB's (a string, a table, a time), which has no dimensions.
+bool is_of_matrix_class(std::string_view element) {
+  return class_of(element) >= kFirstMatrixClass && class_of(element) <= kLastMatrixClass;
+}
+
 /// True if the parts behind the name of a sparse matrix are its row indices, its column ends and its values, in sizes that
 /// agree.
 bool is_sparse(const std::vector<Part>& all, std::size_t cols) {
@@ -109,10 +114,12 @@ bool is_sparse(const std::vector<Part>& all, std::size_t cols) {
 /// True if a matrix element's parts fill it and a matrix of doubles has as many numbers as its dimensions say.
 bool sizes_agree(std::string_view element) {
   const auto all = parts(element);
-  if (!all || all->size() < 3) return false;
+  if (!all || all->empty()) return false;
   const Part& flags = (*all)[0];
-  const Part& dimensions = (*all)[1];
   if (flags.type != kUint32 || flags.size != 8) return false;
+  if (!is_of_matrix_class(element)) return true;
+  if (all->size() < 3) return false;
+  const Part& dimensions = (*all)[1];
   if (dimensions.type != kInt32 || dimensions.size < 8 || dimensions.size % 4 != 0) return false;
   const std::uint32_t held = class_of(element);
   const bool is_matrix = dimensions.size == 8;
@@ -205,8 +212,7 @@ Expected<std::string> checked_and_inflated(std::string_view bytes, const std::st
         !sizes_agree(inflated)) {
       return damaged();
     }
-    const std::uint32_t held = class_of(inflated);
-    if (held < kFirstMatrixClass || held > kLastMatrixClass) plain.resize(begin);
+    if (!is_of_matrix_class(inflated)) plain.resize(begin);
     bytes.remove_prefix(element.size());
   }
   return plain;

@@ -136,6 +136,21 @@ TEST_F(MatFileTest, PassesOverCellsWhateverTheyPromise) {
   EXPECT_EQ(found->at("a"), Eigen::MatrixXd::Ones(2, 2));
 }
 
+TEST_F(MatFileTest, PassesOverObjectsOfMatlab) {
+  put("a", Eigen::MatrixXd::Ones(2, 2));
+  // A string: its tag, its flags with class 17, its name in the tag, and two names of what it is; no dimensions.
+  const std::string string(
+      "\16\0\0\0\50\0\0\0"
+      "\6\0\0\0\10\0\0\0\21\0\0\0\0\0\0\0"
+      "\1\0\1\0s\0\0\0"
+      "\1\0\4\0MCOS"
+      "\1\0\3\0str\0",
+      48);
+  const auto found = read_mat(bytes() + string, "f.mat", {"a"});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->at("a"), Eigen::MatrixXd::Ones(2, 2));
+}
+
 TEST_F(MatFileTest, RefusesASparseMatrixWithAnIndexOutsideIt) {
   put_sparse("sparse", 2);
   EXPECT_EQ(read_mat(bytes(), "f.mat", {"sparse"}).error().message, "f.mat: variable sparse: its data are damaged");
