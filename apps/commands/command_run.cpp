@@ -11,6 +11,7 @@
 #include <cmath>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/formats/mat_log.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
 #include <mapjoin/join/association/frames/name_fit.hpp>
@@ -113,6 +114,12 @@ void CommandRun::take(RunResult<Dim>& result) {
   certify(result);
   if (truth_) measure(result.map, *truth_);
   check_interrupted();
+}
+
+void CommandRun::check_names(const PoseIds& poses, const FeatureIds& features) const {
+  if (options_.output.empty()) return;
+  if (is_written_as_g2o(options_.output)) (void)number_for_g2o(poses, features).value();
+  if (extension_of(options_.output) == ".mat") demand(check_mat_ids(poses, features));
 }
 
 template <int Dim>

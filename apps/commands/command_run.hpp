@@ -74,6 +74,8 @@ class CommandRun {
   /// Takes a result into the report, with its certainty; kInterrupted if a stop was requested.
   template <int Dim>
   void take(RunResult<Dim>& result);
+  /// Checks, before the work, that a map of these poses and features can be written as the output; kUsage.
+  void check_names(const PoseIds& poses, const FeatureIds& features) const;
   /// Takes a result and, if there is an output, writes the map as one file, in the format of its extension, with the files that
   /// options ask for beside it. `log` gives edges; null if unknown.
   template <int Dim>

@@ -14,6 +14,7 @@ namespace {
 
 template <int Dim>
 void join_any(CommandRun& command_run, SubmapSet<Dim> set) {
+  command_run.check_names(set.poses, set.features);
   const std::optional<SubmapSet<Dim>> kept = command_run.asks_features() ? std::optional(set) : std::nullopt;
   auto result = run(std::move(set), command_run.run_options(), command_run.stop()).value();
   if (kept) command_run.check_shared_features(*kept, result);
@@ -32,6 +33,7 @@ template <int Dim>
 void join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
   const auto& log = stored.log;
   demand_tied(command_run.run_report.input, log);
+  command_run.check_names(log.poses, log.features);
   const Split parts = split_along(log, stored.segments);
   const auto of_store = [&](const Error& error) {
     return Error{error.kind, command_run.run_report.input + ": " + error.message};

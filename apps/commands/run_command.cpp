@@ -109,6 +109,7 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
 
 template <int Dim>
 ExitCode run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
+  command_run.check_names(log.poses, log.features);
   RunResult<Dim> result = run(log, command_run.run_options(), command_run.stop()).value();
   command_run.check_shared_features(log, result);
   if (folder) {

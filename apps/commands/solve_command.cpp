@@ -13,6 +13,7 @@ ExitCode solve_input(const Options& options, const std::stop_token& stop) {
   CommandRun command_run("solve", options, stop);
   command_run.prepare(outputs_of_map(options));
   const auto solve_log = [&](const auto& log) {
+    command_run.check_names(log.poses, log.features);
     auto result = solve(log, command_run.run_options(), stop).value();
     command_run.check_shared_features(log, result);
     command_run.write_map(result, &log);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -223,6 +224,19 @@ TEST_F(Output, AFolderInTheWayOfAFileIsAnErrorThatLeavesNothing) {
     EXPECT_THAT(ended.err, HasSubstr("Is a directory"));
   }
   EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"map.features.csv", "out"}));
+}
+
+TEST_F(Output, NamesWithoutRoomAreRefusedBeforeTheWork) {
+  const std::string edge = "EDGE_SE2 {} {} 1 0 0 1 0 0 1 0 1\n";
+  const std::string untied = fmt::format(fmt::runtime(edge + edge), 6989586621679009792U, 6989586621679009793U, 0, 1);
+  for (const std::string command : {"run", "solve"}) {
+    expect_failure(call({command, folder.file("untied.g2o", untied), "-o", path("map.mat")}), 2,
+                   "pose a0 has an id of 2^53 or more, which a MAT file cannot say; .csv can");
+  }
+  const std::string large = fmt::format(fmt::runtime(edge), 10'000'000'000'000'000'000U, 10'000'000'000'000'000'001U);
+  const std::string first = folder.file("first.g2o", large + fmt::format(fmt::runtime(edge), 0, 1));
+  const std::string second = folder.file("second.g2o", large);
+  expect_failure(call({"run", first, second, "-o", path("out")}), 2, "do not fit; a map in .csv has room for them");
 }
 
 TEST_F(Output, WhatIsInTheWayOfAnUnfinishedFileIsNamed) {

@@ -44,10 +44,14 @@ Expected<void> check_ids(const Ids& ids) {
 
 }  // namespace
 
+Expected<void> check_mat_ids(const PoseIds& poses, const FeatureIds& features) {
+  return check_ids(poses).and_then([&] { return check_ids(features); });
+}
+
 template <int Dim>
 Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
   demand_whole(map);
-  if (auto fit = check_ids(map.pose_ids).and_then([&] { return check_ids(map.feature_ids); }); !fit) return fit;
+  if (auto fit = check_mat_ids(map.pose_ids, map.feature_ids); !fit) return fit;
   Eigen::MatrixXd poses(static_cast<Eigen::Index>(map.poses.size()), 2 + row_of(Pose<Dim>{}).size());
   for (const PoseIndex p : indices(map.poses)) {
     const PoseId& id = map.pose_ids[p];

@@ -26,6 +26,9 @@ Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, c
 /// singular, or an id is 2^53 or more; kCannotWrite.
 Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& path);
 
+/// kUsage if a double does not hold one of these ids, which is 2⁵³ or more: write_mat_map() refuses them.
+Expected<void> check_mat_ids(const PoseIds& poses, const FeatureIds& features);
+
 /// Writes a global map: `poses`, one row each: session, id, x, y, phi, or x, y, z, qx, qy, qz, qw (m, rad); `features`: id, x,
 /// y(, z); if the map has them, `stamps` (s) and, upper triangles row by row as in write_csv(), `pose_covariances`,
 /// `feature_covariances`. kUsage if an id is 2⁵³ or more, which a double does not hold; kCannotWrite, and then no file appears.

@@ -51,9 +51,9 @@ std::vector<std::string> in_words(const G2oNumbering& numbering) {
 }
 
 Expected<G2oNumbering> number_for_g2o(const std::vector<PoseId>& poses, const std::vector<FeatureId>& features) {
-  const tl::unexpected<Error> too_large(
-      Error{ErrorKind::kUsage,
-            "a g2o file has one numbering of 64 bits, into which the keys of these poses and features do not fit"});
+  const tl::unexpected<Error> too_large(Error{ErrorKind::kUsage,
+                                              "a g2o file has one numbering of 64 bits, into which the keys of these poses and "
+                                              "features do not fit; a map in .csv has room for them"});
   std::uint64_t largest_pose = 0;
   std::uint64_t largest_index = 0;
   std::uint32_t last_session = 0;
