@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,6 +19,12 @@ bool is_open_file(const fs::path& path) {
   std::error_code failure;
   const fs::path folder = fs::canonical(path.has_parent_path() ? path.parent_path() : ".", failure);
   return !failure && folder.native().starts_with("/proc/");
+}
+
+/// Gives a file the permissions of the one that it replaces, if there is one and the file system has any.
+void take_mode_of(const fs::path& replaced, int descriptor) {
+  struct stat status {};
+  if (::stat(replaced.c_str(), &status) == 0) (void)::fchmod(descriptor, status.st_mode & 0777);
 }
 
 }  // namespace
@@ -58,7 +65,10 @@ Expected<OutputFile> OutputFile::create(const fs::path& path) {
   const bool beside = !is_open_file(target) && (!fs::exists(target, ignored) || fs::is_regular_file(target, ignored));
   if (beside) {
     const fs::path written = target.string() + kUnfinished;
-    return open_alone(written, path).map([&](Descriptor&& file) { return OutputFile(target, written, std::move(file)); });
+    return open_alone(written, path).map([&](Descriptor&& file) {
+      take_mode_of(target, file.value());
+      return OutputFile(target, written, std::move(file));
+    });
   }
   // An open file may have content already, behind which this output goes.
   Descriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | O_APPEND));
