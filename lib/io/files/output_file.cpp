@@ -63,6 +63,7 @@ Expected<OutputFile> OutputFile::create(const fs::path& path) {
   std::error_code ignored;
   const fs::path target = link_target(path);  // A link stays a link.
   const bool beside = !is_open_file(target) && (!fs::exists(target, ignored) || fs::is_regular_file(target, ignored));
+  if (beside && fs::is_symlink(target, ignored)) return call_failed(path, ELOOP, ErrorKind::kCannotWrite);
   if (beside) {
     const fs::path written = target.string() + kUnfinished;
     return open_alone(written, path).map([&](Descriptor&& file) {

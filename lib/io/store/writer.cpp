@@ -97,7 +97,8 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
                                                   const Portion& portion, const Share& share, bool features_are_shared) {
   const fs::path target = link_target(path);
   std::error_code ignored;
-  if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
+  const fs::file_status there = fs::symlink_status(target, ignored);
+  if (fs::exists(there) && !fs::is_regular_file(there)) {
     return cannot_write(path, "a store must be a plain file; give it another name");
   }
   if (has_levers(log.graph)) return cannot_write(path, "a store has no place for priors with levers");

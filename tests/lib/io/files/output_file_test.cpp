@@ -102,6 +102,23 @@ TEST_F(OutputFileTest, WritesThroughALinkThatLeadsNowhereYet) {
   EXPECT_EQ(content_of(path), "content");
 }
 
+TEST_F(OutputFileTest, HasThePermissionsOfTheFileThatItReplaces) {
+  std::ofstream(path) << "before";
+  fs::permissions(path, fs::perms(0640));
+  EXPECT_TRUE(write_file(path, "after"));
+  EXPECT_EQ(content_of(path), "after");
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms(0640));
+}
+
+TEST_F(OutputFileTest, RefusesALoopOfLinks) {
+  fs::create_symlink("other", path);
+  fs::create_symlink(path.filename(), folder.path() / "other");
+  const auto file = OutputFile::create(path);
+  ASSERT_FALSE(file);
+  EXPECT_THAT(file.error().message, HasSubstr("map.g2o: Too many levels of symbolic links"));
+  EXPECT_EQ(entries(), 2u);
+}
+
 TEST_F(OutputFileTest, GoesOnBehindWhatAnOpenFileHasInIt) {
   std::ofstream(path) << "before ";
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND);

@@ -115,6 +115,10 @@ TEST_F(StoreFileTest, WhatIsNoPlainFileIsKeptAndALinkStaysALink) {
   EXPECT_THAT(refused.error().message, HasSubstr("pipe: a store must be a plain file; give it another name"));
   EXPECT_TRUE(fs::is_fifo(pipe));
 
+  const fs::path loop = folder.path() / "loop";
+  fs::create_symlink("loop", loop);
+  EXPECT_FALSE(StoreWriter<2>::open(loop, maps.log, maps.segments, maps.options));
+
   const fs::path link = folder.path() / "link";
   fs::create_symlink("elsewhere", link);
   build_store(link, maps);
