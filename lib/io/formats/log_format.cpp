@@ -63,8 +63,9 @@ Expected<AnyLog> read_g2o_text(std::string_view bytes, const std::string& file, 
   return read_g2o(TextScanner(file, bytes), options);
 }
 
-bool is_toro_vertex(std::string_view tag) {
-  return tag == kToroPlane.pose_tag || tag == kToroSpace.pose_tag;
+/// True for the tags that only TORO's files have.
+bool is_toro_tag(std::string_view tag) {
+  return tag == kToroPlane.pose_tag || tag == kToroSpace.pose_tag || kToroPlane.is_passed_over(tag);
 }
 bool is_gtsam_odometry(std::string_view tag) {
   return tag == kGtsamText.edge_tag;
@@ -131,7 +132,7 @@ const Format& row_of(LogFormat format) {
        write_g2o<2>,
        write_g2o<3>,
        {.priors = true, .pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},
-      edges_row<kToroPlane, &kToroSpace>(".graph", begins_like_isam<is_toro_vertex>, write_edges<3, kToroSpace>),
+      edges_row<kToroPlane, &kToroSpace>(".graph", begins_like_isam<is_toro_tag>, write_edges<3, kToroSpace>),
       edges_row<kGtsamText, nullptr>(".gtsam", begins_like_isam<is_gtsam_odometry>, nullptr),
       edges_row<kIsamPlane, &kIsamSpace>(".isam", begins<is_isam_tag>, write_edges<3, kIsamSpace>),
       edges_row<kOdomObs, nullptr>(".txt", begins<is_covariance_text_tag>, nullptr, read_text<read_covariance_text>),

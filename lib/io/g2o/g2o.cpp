@@ -128,7 +128,7 @@ Expected<void> check_expressible(const Log<Dim>& log, bool has_vertices) {
 }  // namespace
 
 bool is_g2o_tag(std::string_view tag) {
-  return kPlane.has_tag(tag) || kSpace.has_tag(tag) || tag == kG2oFix || is_g2o_parameter(tag);
+  return kPlane.has_tag(tag) || kSpace.has_tag(tag) || tag == kG2oFix || is_g2o_parameter(tag) || is_sensor_data(tag);
 }
 
 Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options, Extent extent) {
