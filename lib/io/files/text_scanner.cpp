@@ -68,9 +68,13 @@ std::string printable(std::string_view text) {
   return result;
 }
 
-std::string in_quotes(std::string_view word) {
+std::string shortened(std::string_view word) {
   constexpr std::size_t kMost = 40;
-  return fmt::format("'{}{}'", printable(word.substr(0, kMost)), word.size() > kMost ? "..." : "");
+  return printable(word.substr(0, kMost)) + (word.size() > kMost ? "..." : "");
+}
+
+std::string in_quotes(std::string_view word) {
+  return "'" + shortened(word) + "'";
 }
 
 TextScanner::TextScanner(std::string source, std::string_view text, std::size_t lines_before)

@@ -97,7 +97,9 @@ class TextScanner {
 
 /// A stranger's text for a message, with `?` for bytes that would end the line or that a terminal would take as a command.
 std::string printable(std::string_view text);
-/// A word as printable() gives it, shortened and in quotes.
+/// A word as printable() gives it, shortened.
+std::string shortened(std::string_view word);
+/// A shortened() word in quotes.
 std::string in_quotes(std::string_view word);
 
 }  // namespace mapjoin

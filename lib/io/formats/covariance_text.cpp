@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <mapjoin/io/formats/covariance_text.hpp>
+#include <mapjoin/io/formats/skipped_lines.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <utility>
 
@@ -75,7 +76,7 @@ Expected<AnyLog> read_map_circles(TextScanner text, const ReadOptions& options) 
     if (tag == kStep) return read_step();
     if (tag == kCircle) return read_circle();
     if (!options.skip_unknown) return text.reject(fmt::format("unknown tag {}", in_quotes(tag)));
-    builder.add_skipped(printable(tag) + " lines");
+    builder.add_skipped(lines_of(tag));
     while (!text.at_end_of_line()) text.word();
   };
   return text.each_line(read_line).and_then([&]() -> Expected<AnyLog> {

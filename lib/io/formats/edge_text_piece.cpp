@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <mapjoin/io/formats/edge_text_piece.hpp>
+#include <mapjoin/io/formats/skipped_lines.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
 #include <utility>
 
@@ -36,7 +37,7 @@ class PieceReader {
     if (format_.has_g2o_lines && is_g2o_parameter(tag)) return {};
     if (const PriorTag* prior = format_.prior(tag)) return read_prior(*prior);
     if (context_.options.skip_unknown || (format_.is_passed_over && format_.is_passed_over(tag))) {
-      read_.builder.add_skipped(printable(tag) + " lines");
+      read_.builder.add_skipped(lines_of(tag));
       return {};
     }
     const bool is_of_other = format_.is_of_other_dimension && format_.is_of_other_dimension(tag);

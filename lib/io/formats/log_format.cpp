@@ -10,6 +10,7 @@
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
 #include <mapjoin/io/formats/pose_tables.hpp>
+#include <mapjoin/io/formats/skipped_lines.hpp>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
@@ -179,7 +180,7 @@ Expected<AnyLog> read_table(const Known& known, std::string_view bytes, const st
       table.begin(), table.begin() + static_cast<std::ptrdiff_t>(known.begin), [](char c) { return c != '\n'; }, ' ');
   return row_of(known.format).read(table, file, options).map([&](AnyLog any) {
     for (TextScanner before(file, bytes.substr(0, known.begin)); before.next_line();) {
-      std::visit([&](auto& log) { ++log.skipped[printable(before.word()) + " lines"]; }, any);
+      std::visit([&](auto& log) { ++log.skipped[lines_of(before.word())]; }, any);
     }
     return any;
   });
@@ -229,8 +230,7 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
   const auto tell = [&](std::size_t count, const std::string& what) {
     if (count > 0) lost.push_back(fmt::format("{} left out", what));
   };
-  const std::size_t edges = log.edges().size();
-  if (!room.edges) tell(edges, plural(edges, "pose-pose edge"));
+  if (!room.edges) tell(log.edges().size(), plural(log.edges().size(), "pose-pose edge"));
   if (!room.observations) {
     tell(log.features.size(),
          plural(log.features.size(), "feature") + " with " + plural(log.observations().size(), "observation"));
@@ -262,14 +262,17 @@ Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const
   if (const auto known = known_format(bytes, options)) {
     const Format& format = row_of(known->format);
     if (known->format != LogFormat::kG2o && options.turns_information()) return not_in_g2o(file);
-    const bool reads_skip = format.room.edges;  // Such readers leave lines out by their tag.
-    return reads_skip || known->begin == 0 ? format.read(bytes, file, options) : read_table(*known, bytes, file, options);
+    const bool is_alone = format.room.edges || known->begin == 0;  // Readers of edges leave lines out by their tag.
+    auto any = is_alone ? format.read(bytes, file, options) : read_table(*known, bytes, file, options);
+    if (any) std::visit([](auto& log) { count_others_together(log.skipped); }, *any);
+    return any;
   }
   TextScanner text(file, bytes);
   if (!text.next_line()) return bad_input(fmt::format("{}: the file has nothing but blanks and comments", file));
-  const bool others_are_known = known_format(bytes, {.skip_unknown = true}).has_value();
+  const auto other = known_format(bytes, {.skip_unknown = true});
+  const std::string_view lines = other && row_of(other->format).room.edges ? "such lines" : "the lines before the table";
   return text.error(fmt::format("no log format has lines that begin with {}; {}--from names the format", in_quotes(text.word()),
-                                others_are_known ? "--skip-unknown leaves such lines out, " : ""));
+                                other ? fmt::format("--skip-unknown leaves {} out, ", lines) : ""));
 }
 
 template <int Dim>

@@ -239,6 +239,7 @@ TEST(LogFormats, AFormatIsKnownBehindLinesThatMayBeLeftOut) {
   const auto trajectory = folder.file("trajectory", "time x y\ntime is in seconds\n0.5 " + pose);
   const auto poses = std::get<Log<3>>(open_log(trajectory, {.skip_unknown = true}).value());
   EXPECT_EQ(poses.poses.size(), 1U);
+  EXPECT_THAT(open_log(table).error().message, HasSubstr("'time'; --skip-unknown leaves the lines before the table out, "));
   EXPECT_EQ(poses.skipped, (SkipCounts{{"time lines", 2}}));
   EXPECT_TRUE(open_log(trajectory, {.from = LogFormat::kTum, .skip_unknown = true}));
   const auto nothing = folder.file("nothing", "hello\nworld");
@@ -253,6 +254,27 @@ TEST(LogFormats, AFormatIsKnownInAFewPassesOverTheFile) {
   constexpr int kLines = 100'000;
   std::string edges;
   for (int k = 0; k < kLines; ++k) edges += fmt::format("EDGE2 {} {} 1 0 0 1 0 1 1 0 0\n", k, k + 1);
+TEST(LogFormats, AFormatIsKnownByLinesWithoutAPlaceInTheLog) {
+  const std::string edge = "EDGE_SE2 0 1 1 0 0.1 1 0 0 1 0 1\n";
+  for (const std::string first : {"ROBOTLASER1 0 1 2\n", "VERTEX_TAG 0 17\n"}) {
+    EXPECT_THAT(std::get<Log<2>>(read_log(first + edge, "log", {}).value()).edges(), SizeIs(1)) << first;
+  }
+  const auto toro = read_log("EQUIV 0 1\nVERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nEDGE2 0 1 1 0 0 1 0 1 1 0 0\n", "log", {});
+  EXPECT_EQ(std::get<Log<2>>(toro.value()).skipped, (SkipCounts{{"EQUIV lines", 1}}));
+}
+
+TEST(LogFormats, OnlyTheFirstOfManyTagsAreTold) {
+  std::string text = "EDGE_SE2 0 1 1 0 0.1 1 0 0 1 0 1\nEDGE_SE2 1 1 1 0 0.1 1 0 0 1 0 1\n" + std::string(1000, 'A') + "\n";
+  for (int k = 10; k < 40; ++k) text += fmt::format("TAG{} 1\nTAG{} 2\n", k, k);
+  const auto any = read_log(text, "log", {.skip_unknown = true, .skip_self_edges = true});
+  const SkipCounts skipped = std::get<Log<2>>(any.value()).skipped;
+  EXPECT_THAT(skipped, SizeIs(22));
+  EXPECT_EQ(skipped.at(std::string(40, 'A') + "... lines"), 1);
+  EXPECT_EQ(skipped.at("TAG28 lines"), 2);
+  EXPECT_EQ(skipped.at("other lines"), 22);
+  EXPECT_EQ(skipped.at("self-edges"), 1);
+}
+
   const std::string blanks(kLines, '\n');
   const EffortMeter meter;
   const auto toro = read_log(edges, "toro", {.from = LogFormat::kToro, .skip_unknown = true});
