@@ -35,6 +35,14 @@ struct MeasuredPoint {
 /// A fault, worded to follow the name of an edge; nullopt if none.
 using Fault = std::optional<std::string>;
 
+/// An edge or an observation by its ends, as messages name it.
+inline std::string name_of(const PoseId& base, const PoseId& target) {
+  return "the edge from " + to_string(base) + " to " + to_string(target);
+}
+inline std::string name_of(const PoseId& base, const FeatureId& target) {
+  return "the observation of " + to_string(target) + " from " + to_string(base);
+}
+
 /// The context that the lines of a file are read in.
 struct TextContext {
   const ReadOptions& options;

@@ -78,7 +78,7 @@ class PieceReader {
     if (format_.weights == Weights::kCovariance) W = inverse_of(W, check_, text_);
     if (auto line = text_.finish_line(); !line) return line;
     if (base == target) return read_self_edge(place, base);
-    if (const auto fault = check_.fault(W)) return unfit(place, base.key, target.key, *fault);
+    if (const auto fault = check_.fault(W)) return unfit(place, name_of(base, target), *fault);
     read_.builder.add_pose_edge(base, target, measured, W);
     return {};
   }
@@ -127,7 +127,7 @@ class PieceReader {
       read_.builder.add_unassociated();
       return {};
     }
-    if (const auto fault = check_.fault(W)) return unfit(place, pose.key, feature->key, *fault);
+    if (const auto fault = check_.fault(W)) return unfit(place, name_of(pose, *feature), *fault);
     if (!measured.allFinite()) return text_.error(place, fmt::format("{} is too far away", to_string(*feature)));
     read_.builder.add_observation(pose, *feature, measured, W);
     return {};
@@ -135,9 +135,6 @@ class PieceReader {
 
   tl::unexpected<Error> unfit(const Place& place, const std::string& what, const std::string& fault) const {
     return text_.error(place, fmt::format("the information matrix of {} {}", what, fault));
-  }
-  tl::unexpected<Error> unfit(const Place& place, std::uint64_t from, std::uint64_t to, const std::string& fault) const {
-    return unfit(place, fmt::format("edge {}-{}", key_text(from), key_text(to)), fault);
   }
 
   TextScanner text_;

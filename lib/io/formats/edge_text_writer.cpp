@@ -92,7 +92,7 @@ class EdgeTextWriter {
       const PoseId& target = pose_id(edges[k].target);
       line.add(format_.edge_tag).add(numbering_(base)).add(numbering_(target));
       const auto fault = put_measured(MeasuredPose<Dim>{edges[k].measured, edges[k].information}, format_.put_edge, line);
-      return fault ? fmt::format("the edge from {} to {} {}", to_string(base), to_string(target), *fault) : fault;
+      return fault ? name_of(base, target) + " " + *fault : fault;
     });
   }
 
@@ -105,7 +105,7 @@ class EdgeTextWriter {
       const FeatureId feature = contents_.feature_ids[seen.target];
       line.add(format_.observation_tag).add(numbering_(pose)).add(numbering_(feature));
       const auto fault = put_measured(MeasuredPoint<Dim>{seen.measured, seen.information}, format_.put_point, line);
-      return fault ? fmt::format("the observation of {} from {} {}", to_string(feature), to_string(pose), *fault) : fault;
+      return fault ? name_of(pose, feature) + " " + *fault : fault;
     });
   }
 

@@ -143,19 +143,19 @@ Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& pat
   const auto pose = [&](PoseIndex index) { return (*numbering)(log.poses[index]); };
   Eigen::MatrixXd table = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(log.edges().size() + log.observations().size()), 12);
   Eigen::Index row = 0;
-  const auto cannot = [&](std::uint64_t base, std::uint64_t target, const std::string& fault) {
-    return tl::unexpected(Error{
-        ErrorKind::kUsage, fmt::format("{}: the edge {}-{} {}, which a MAT file cannot say", log.source, base, target, fault)});
+  const auto cannot = [&](const std::string& what, const std::string& fault) {
+    return tl::unexpected(
+        Error{ErrorKind::kUsage, fmt::format("{}: {} {}, which a MAT file cannot say", log.source, what, fault)});
   };
   for (const auto& [base, target, measured, W, loss, lever] : log.edges()) {
     const Vector<3> numbers(measured.translation.x(), measured.translation.y(), measured.rotation.angle());
     const auto fault = put_row<3>(kOdometry, pose(base), pose(target), numbers, W, table.row(row++));
-    if (fault) return cannot(pose(base), pose(target), *fault);
+    if (fault) return cannot(name_of(log.poses[base], log.poses[target]), *fault);
   }
   for (const auto& [base, target, measured, W, loss] : log.observations()) {
     const std::uint64_t feature = log.features[target].key;
     const auto fault = put_row<2>(kObservation, pose(base), feature, measured, W, table.row(row++));
-    if (fault) return cannot(pose(base), feature, *fault);
+    if (fault) return cannot(name_of(log.poses[base], log.features[target]), *fault);
   }
   return write_file(path, mat_bytes({{kVictoriaPark, table}}));
 }

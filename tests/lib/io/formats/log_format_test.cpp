@@ -194,7 +194,11 @@ TEST_F(PlanarFormatTest, CovariancesBringBackInformationToRounding) {
 TEST_F(PlanarFormatTest, MatFilesHaveIdsThatDoublesTellApart) {
   LogBuilder<2> builder("some.g2o");
   builder.add_pose_edge({0, 0}, {0, std::uint64_t{1} << 53}, {}, Matrix<3>::Identity());
-  EXPECT_THAT(refusal(std::move(builder).finish().value(), LogFormat::kMat), HasSubstr("has an id of 2^53 or more"));
+  EXPECT_THAT(refusal(std::move(builder).finish().value(), LogFormat::kMat),
+              HasSubstr("the edge from pose 0 to pose 9007199254740992 has an id of 2^53 or more"));
+  Log<2> singular = world();
+  singular.graph.feature_factors[0].information.setZero();
+  EXPECT_THAT(refusal(singular, LogFormat::kMat), HasSubstr(": the observation of feature "));
 }
 
 TEST(LogFormatData, PublicLogsComeBackFromEveryFormatThatHoldsThem) {
@@ -235,11 +239,11 @@ TEST(LogFormats, AFormatIsKnownBehindLinesThatMayBeLeftOut) {
   EXPECT_EQ(log.skipped, (SkipCounts{{"hello lines", 1}}));
   const std::string pose = "1 2 3 0 0 0 1\n";
   const auto table = folder.file("table", "time x y\n\n0.5 " + pose + "noon " + pose);
+  EXPECT_THAT(open_log(table).error().message, HasSubstr("'time'; --skip-unknown leaves the lines before the table out, "));
   EXPECT_THAT(open_log(table, {.skip_unknown = true}).error().message, HasSubstr("table:4:1: a time in seconds is expected"));
   const auto trajectory = folder.file("trajectory", "time x y\ntime is in seconds\n0.5 " + pose);
   const auto poses = std::get<Log<3>>(open_log(trajectory, {.skip_unknown = true}).value());
   EXPECT_EQ(poses.poses.size(), 1U);
-  EXPECT_THAT(open_log(table).error().message, HasSubstr("'time'; --skip-unknown leaves the lines before the table out, "));
   EXPECT_EQ(poses.skipped, (SkipCounts{{"time lines", 2}}));
   EXPECT_TRUE(open_log(trajectory, {.from = LogFormat::kTum, .skip_unknown = true}));
   const auto nothing = folder.file("nothing", "hello\nworld");
@@ -250,10 +254,6 @@ TEST(LogFormats, AFormatIsKnownBehindLinesThatMayBeLeftOut) {
   }
 }
 
-TEST(LogFormats, AFormatIsKnownInAFewPassesOverTheFile) {
-  constexpr int kLines = 100'000;
-  std::string edges;
-  for (int k = 0; k < kLines; ++k) edges += fmt::format("EDGE2 {} {} 1 0 0 1 0 1 1 0 0\n", k, k + 1);
 TEST(LogFormats, AFormatIsKnownByLinesWithoutAPlaceInTheLog) {
   const std::string edge = "EDGE_SE2 0 1 1 0 0.1 1 0 0 1 0 1\n";
   for (const std::string first : {"ROBOTLASER1 0 1 2\n", "VERTEX_TAG 0 17\n"}) {
@@ -275,6 +275,10 @@ TEST(LogFormats, OnlyTheFirstOfManyTagsAreTold) {
   EXPECT_EQ(skipped.at("self-edges"), 1);
 }
 
+TEST(LogFormats, AFormatIsKnownInAFewPassesOverTheFile) {
+  constexpr int kLines = 100'000;
+  std::string edges;
+  for (int k = 0; k < kLines; ++k) edges += fmt::format("EDGE2 {} {} 1 0 0 1 0 1 1 0 0\n", k, k + 1);
   const std::string blanks(kLines, '\n');
   const EffortMeter meter;
   const auto toro = read_log(edges, "toro", {.from = LogFormat::kToro, .skip_unknown = true});

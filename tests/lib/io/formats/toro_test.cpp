@@ -85,7 +85,7 @@ TEST(Toro, NamesThePlaceOfWhatIsWrong) {
   EXPECT_EQ(error_of(read_toro(kVertices + "EDGE2 0 1 1 nan 0 1 0 1 1 0 0\n")),
             "some.graph:3:13: 'nan' stands where a number is expected");
   EXPECT_THAT(error_of(read_toro(kVertices + "EDGE2 0 1 1 2 0 1 0 -1 1 0 0\n")),
-              StartsWith("some.graph:3:1: the information matrix of edge 0-1 is indefinite"));
+              StartsWith("some.graph:3:1: the information matrix of the edge from pose 0 to pose 1 is indefinite"));
   EXPECT_EQ(
       error_of(read_toro(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n")),
       "some.graph:3:1: the file declares vertices, but not pose 9; give the file that does as FURTHER, or --skip-undeclared");

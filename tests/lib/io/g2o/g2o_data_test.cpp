@@ -131,8 +131,9 @@ TEST(G2oDataQuirks, CubicleHas5021IndefiniteInformationMatrices) {
   const auto path = testing::data_file("pose-graphs-3d/cubicle.g2o.gz");
   const auto refused = read(path, {});
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message,
-              ::testing::HasSubstr("cubicle.g2o.gz:5753:1: the information matrix of edge 1-2 is indefinite"));
+  EXPECT_THAT(
+      refused.error().message,
+      ::testing::HasSubstr("cubicle.g2o.gz:5753:1: the information matrix of the edge from pose 1 to pose 2 is indefinite"));
   const auto log = std::get<Log<3>>(read(path, {.repair_information = true}).value());
   EXPECT_EQ(log.conventions.repairs.indefinite, 5021);
 

@@ -213,7 +213,8 @@ TEST(G2o, NamesAnEdgeFromAPoseToItself) {
 TEST(G2o, NamesTheEdgeOfAnIndefiniteInformationOrRepairsIt) {
   const std::string text = kEdge2 + "EDGE_SE2_XY 1 4 1 0 1 2 1\n";
   EXPECT_EQ(message(text),
-            "some.g2o:2:1: the information matrix of edge 1-4 is indefinite (eigenvalues from -1 to 3); "
+            "some.g2o:2:1: the information matrix of the observation of feature 4 from pose 1 is indefinite (eigenvalues from "
+            "-1 to 3); "
             "--repair-information takes the nearest semidefinite one");
   const auto log = read_as<2>(text, {.repair_information = true});
   EXPECT_EQ(log.conventions.repairs.indefinite, 1);
