@@ -269,7 +269,8 @@ Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed() const {
   for (const auto& [id, value] : fixed_) {
     const auto pose = find_ascending(log_.poses, id);
     if (!pose) {
-      return bad_input(fmt::format("{} is fixed, but the log has no such pose (features cannot be fixed)", to_string(id)));
+      return bad_input(fmt::format("{} is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)",
+                                   to_string(id)));
     }
     const auto initial = std::ranges::lower_bound(poses_.initial, id, {}, [](const auto& item) { return item.id; });
     const bool has_initial = initial != poses_.initial.end() && initial->id == id;

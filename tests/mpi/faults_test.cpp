@@ -40,7 +40,8 @@ TEST_F(FaultsOnRanks, NamesAPoseThatIsFixedButNotThere) {
   for (int k = 0; k < 40; ++k) file << "EDGE_SE2 " << k << ' ' << k + 1 << " 1 0 0 1 0 0 1 0 1\n";
   file << "FIX 99\n";
   file.close();
-  const std::string sentence = "fixed.g2o: pose 99 is fixed, but the log has no such pose (features cannot be fixed)\n";
+  const std::string sentence =
+      "fixed.g2o: pose 99 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)\n";
   EXPECT_THAT(call({"run", path("fixed.g2o")}).err, HasSubstr(sentence));
   for (const int ranks : {1, 2}) EXPECT_THAT(call_ranks(ranks, {"run", path("fixed.g2o")}).err, HasSubstr(sentence));
 }

@@ -146,7 +146,8 @@ TYPED_TEST(LogBuilderTest, RefusesAPoseFixedAtTwoPlaces) {
 TYPED_TEST(LogBuilderTest, RefusesToFixWhatIsNoPose) {
   this->observe(1, 7);
   this->builder.fix({0, 7});
-  EXPECT_EQ(this->message(), "some.log: pose 7 is fixed, but the log has no such pose (features cannot be fixed)");
+  EXPECT_EQ(this->message(),
+            "some.log: pose 7 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)");
 }
 
 TYPED_TEST(LogBuilderTest, FindsKeysFarApart) {

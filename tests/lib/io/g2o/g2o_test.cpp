@@ -222,7 +222,8 @@ TEST(G2o, NamesTheEdgeOfAnIndefiniteInformationOrRepairsIt) {
 }
 
 TEST(G2o, RefusesToFixAFeature) {
-  EXPECT_THAT(message("VERTEX_SE2 0 0 0 0\nVERTEX_XY 5 1 1\nFIX 5\n"), HasSubstr("features cannot be fixed"));
+  EXPECT_THAT(message("VERTEX_SE2 0 0 0 0\nVERTEX_XY 5 1 1\nFIX 5\n"),
+              HasSubstr("a feature is not fixed, but held by a prior"));
 }
 
 TEST(G2o, AFixNamesAPose) {

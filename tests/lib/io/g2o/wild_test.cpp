@@ -81,7 +81,7 @@ TEST(WildG2o, LeavesOutFixedPosesThatAreUndeclaredIfAsked) {
   EXPECT_EQ(log.graph.fixed.front().pose, PoseIndex(1));
   EXPECT_EQ(log.skipped, (SkipCounts{{"fixed vertices that are undeclared", 1}}));
   EXPECT_THAT(wild_error("VERTEX_XY 5 1 1\n" + text.substr(0, text.find("FIX")) + "FIX 5\n"),
-              HasSubstr("pose 5 is fixed, but the log has no such pose (features cannot be fixed)"));
+              HasSubstr("pose 5 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)"));
 }
 
 TEST(WildG2o, KeepsEdgesToPosesOfOtherFilesApart) {
