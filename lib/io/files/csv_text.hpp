@@ -92,6 +92,12 @@ inline std::vector<std::string> csv_columns(std::string_view csv) {
   return columns;
 }
 
+/// The place of the line of csv_columns(), for messages: `file:line`; without any, of the first one.
+inline std::string header_place(std::string_view csv, const std::string& file) {
+  TextScanner text("", csv);
+  return fmt::format("{}:{}", file, text.next_line() ? text.place().line : 1);
+}
+
 /// Calls read(columns, row) at the first word of each line below the header of a table. Bad input as FileBytes::read() and
 /// TextScanner::each_line() find it.
 template <typename Read>
@@ -112,12 +118,12 @@ inline bool has_column(const std::vector<std::string>& columns, std::string_view
   return std::ranges::find(columns, name) != columns.end();
 }
 
-/// Bad input if several columns have one of these names.
+/// Bad input if several columns have one of these names; `place` is the header_place().
 inline Expected<void> check_named_once(const std::vector<std::string>& columns, std::initializer_list<const char*> names,
-                                       const std::string& file) {
+                                       const std::string& place) {
   const auto twice = std::ranges::find_if(names, [&](const char* name) { return std::ranges::count(columns, name) > 1; });
   return twice == names.end() ? Expected<void>()
-                              : bad_input(fmt::format("{}:1: names the column {} more than once", file, *twice));
+                              : bad_input(fmt::format("{}: names the column {} more than once", place, *twice));
 }
 
 }  // namespace mapjoin

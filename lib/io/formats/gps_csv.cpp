@@ -13,22 +13,22 @@ namespace {
 
 using Columns = std::vector<std::string>;
 
-Expected<void> check(const Columns& columns, const std::string& file) {
+Expected<void> check(const Columns& columns, const std::string& place) {
   const auto lacks = [&](std::string_view what) {
     return bad_input(
         fmt::format("{}:1: names no column {}: a table of fixes has time or pose, latitude, longitude, sd_east, "
                     "sd_north and, in space, height and sd_up",
-                    file, what));
+                    place, what));
   };
   if (!has_column(columns, "time") && !has_column(columns, "pose")) return lacks("time or pose");
   if (has_column(columns, "time") && has_column(columns, "pose")) {
-    return bad_input(file + ":1: names both columns time and pose, and a fix is of the one or of the other");
+    return bad_input(place + ": names both columns time and pose, and a fix is of the one or of the other");
   }
   for (const std::string_view needed : {"latitude", "longitude", "sd_east", "sd_north"}) {
     if (!has_column(columns, needed)) return lacks(needed);
   }
-  return check_named_once(columns,
-                          {"time", "pose", "session", "latitude", "longitude", "height", "sd_east", "sd_north", "sd_up"}, file);
+  return check_named_once(
+      columns, {"time", "pose", "session", "latitude", "longitude", "height", "sd_east", "sd_north", "sd_up"}, place);
 }
 
 double coordinate(TextScanner& text, const GpsRange& range) {
@@ -89,7 +89,7 @@ GpsFix read_fix(const Columns& columns, TextScanner& text) {
 
 Expected<GpsFixes> read_gps_csv(std::string_view bytes, const std::string& file) {
   const Columns columns = csv_columns(bytes);
-  if (auto named = check(columns, file); !named) return tl::unexpected(named.error());
+  if (auto named = check(columns, header_place(bytes, file)); !named) return tl::unexpected(named.error());
   GpsFixes fixes{file, has_column(columns, "height") && has_column(columns, "sd_up"), {}};
   const std::string words = cells_as_words(bytes);
   TextScanner text(file, words);

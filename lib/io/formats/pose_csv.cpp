@@ -74,11 +74,12 @@ bool is_pose_csv(std::string_view bytes) {
 template <int Dim>
 Expected<GlobalMap<Dim>> read_pose_table(std::string_view bytes, const std::string& file) {
   const std::vector<std::string> columns = csv_columns(bytes);
-  if (auto named = check_named_once(columns, {"session", "pose", "x", "stamp_ns"}, file); !named)
+  const std::string place = header_place(bytes, file);
+  if (auto named = check_named_once(columns, {"session", "pose", "x", "stamp_ns"}, place); !named)
     return tl::unexpected(named.error());
   if (!has_poses<Dim>(columns)) {
     return bad_input(
-        fmt::format("{}: its first line does not name the columns pose and {}", file, fmt::join(pose_columns<Dim>(), ",")));
+        fmt::format("{}: does not name the columns pose and, side by side, {}", place, fmt::join(pose_columns<Dim>(), ",")));
   }
   const std::string words = cells_as_words(bytes);
   TextScanner text(file, words);

@@ -80,7 +80,7 @@ TEST_F(RunFolder, ReadsItsTableOfPosesAsAnyOther) {
   EXPECT_EQ(read().stamps_ns, log_.stamps_ns);
   folder_.file("poses.csv", "pose,x,y\n9,0,0\n");
   EXPECT_THAT(testing::error_of(open_log(folder_.path())),
-              HasSubstr(poses.string() + ": its first line does not name the columns pose and x,y,phi"));
+              HasSubstr(poses.string() + ":1: does not name the columns pose and, side by side, x,y,phi"));
 }
 
 TEST_F(RunFolder, WithLocalMapsIsAFolderOfThese) {

@@ -54,9 +54,11 @@ TEST(PoseCsv, KeepsTheOrderOfTheTable) {
 TEST(PoseCsv, NamesThePlaceOfWhatIsWrong) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text) { return open_log(folder.file("map.csv", text)).error().message; };
-  EXPECT_THAT(message("pose,x,y\n1,2,3\n"), EndsWith("map.csv: its first line does not name the columns pose and x,y,phi"));
-  EXPECT_THAT(message("pose,x,y,z\n1,2,3,4\n"), EndsWith("does not name the columns pose and x,y,z,qx,qy,qz,qw"));
-  EXPECT_THAT(message("pose,x,y,phi,x\n1,2,3,0,4\n"), EndsWith("map.csv:1: names the column x more than once"));
+  EXPECT_THAT(message("pose,x,y\n1,2,3\n"), EndsWith("map.csv:1: does not name the columns pose and, side by side, x,y,phi"));
+  EXPECT_THAT(message("pose,x,y,z\n1,2,3,4\n"),
+              EndsWith("does not name the columns pose and, side by side, x,y,z,qx,qy,qz,qw"));
+  EXPECT_THAT(message("pose,x,y,name,phi\n"), EndsWith("map.csv:1: does not name the columns pose and, side by side, x,y,phi"));
+  EXPECT_THAT(message("# a map\n\npose,x,y,phi,x\n1,2,3,0,4\n"), EndsWith("map.csv:3: names the column x more than once"));
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3\n"), EndsWith(":2:6: the line ends where a number is expected"));
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n-1,2,3,0\n"), EndsWith(":3:1: '-1' stands where an id is expected"));
   EXPECT_THAT(message("pose,x,y,phi\n1,,3,0\n"), EndsWith(":2:3: '(empty)' stands where a number is expected"));
