@@ -63,6 +63,14 @@ Expected<std::string> gunzip(const std::filesystem::path& path, std::string_view
   return bytes;
 }
 
+/// Beginnings of files that are packed otherwise than by gzip, and what packed them.
+constexpr auto kPackedOtherwise = std::to_array<std::pair<std::string_view, std::string_view>>({{"\xfd"
+                                                                                                 "7zXZ",
+                                                                                                 "xz"},
+                                                                                                {"BZh", "bzip2"},
+                                                                                                {"\x28\xb5\x2f\xfd", "zstd"},
+                                                                                                {"PK\3\4", "zip"}});
+
 }  // namespace
 
 Inflated append_inflated(Wrapping wrapping, std::string_view& packed, std::size_t most, std::string& bytes) {
@@ -126,6 +134,10 @@ Expected<FileBytes> FileBytes::read(const std::filesystem::path& path, std::size
     auto unpacked = of_member(path, bytes.view(), most_unpacked);
     if (!unpacked) return unpacked;
     bytes = *std::move(unpacked);
+  }
+  for (const auto& [begin, packer] : kPackedOtherwise) {
+    if (bytes.view().starts_with(begin))
+      return bad_input(fmt::format("{}: is packed by {}; unpack it, or pack it by gzip", path.string(), packer));
   }
   if (bytes.view().empty()) return bad_input(fmt::format("{}: the file is empty", path.string()));
   return bytes;

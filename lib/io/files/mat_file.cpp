@@ -19,6 +19,8 @@ constexpr std::size_t kLeastBytesARow = 8;  // One number at least.
 constexpr std::string_view kVersion5("\0\1IM", 4);
 constexpr std::string_view kVersion73("\0\2IM", 4);  // HDF5 behind the header.
 constexpr std::string_view kBigEndian5("\1\0MI", 4);
+constexpr std::string_view kBeginOfVersion4("\0\0\0\0",
+                                            4);  ///< Of a little-endian matrix of doubles; such a file has no header.
 
 std::uint32_t word(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -183,13 +185,14 @@ std::string_view version_of(std::string_view bytes) {
 
 bool is_mat_file(std::string_view bytes) {
   const std::string_view version = version_of(bytes);
-  return version == kVersion5 || version == kVersion73 || version == kBigEndian5;
+  return version == kVersion5 || version == kVersion73 || version == kBigEndian5 || bytes.starts_with(kBeginOfVersion4);
 }
 
 Expected<std::string> checked_and_inflated(std::string_view bytes, const std::string& file, std::size_t most) {
   const auto damaged = [&] { return bad_input(fmt::format("{}: a MAT file that is damaged or cut short", file)); };
   if (version_of(bytes) == kVersion73) return bad_input(fmt::format("{}: a MAT file of version 7.3: save it with -v7", file));
   if (version_of(bytes) == kBigEndian5) return bad_input(fmt::format("{}: a MAT file of a big-endian machine", file));
+  if (bytes.starts_with(kBeginOfVersion4)) return bad_input(fmt::format("{}: a MAT file of version 4: save it with -v7", file));
   if (version_of(bytes) != kVersion5) return bad_input(fmt::format("{}: not a MAT file of version 5, 6 or 7", file));
   std::string plain(bytes.substr(0, kHeaderSize));
   bytes.remove_prefix(kHeaderSize);

@@ -16,7 +16,7 @@ using Columns = std::vector<std::string>;
 Expected<void> check(const Columns& columns, const std::string& place) {
   const auto lacks = [&](std::string_view what) {
     return bad_input(
-        fmt::format("{}:1: names no column {}: a table of fixes has time or pose, latitude, longitude, sd_east, "
+        fmt::format("{}: names no column {}: a table of fixes has time or pose, latitude, longitude, sd_east, "
                     "sd_north and, in space, height and sd_up",
                     place, what));
   };
@@ -50,18 +50,11 @@ double deviation(TextScanner& text) {
   return value;
 }
 
-std::int64_t time(TextScanner& text) {
-  const std::string_view word = text.word();
-  const auto stamp = nanoseconds(word);
-  if (!stamp) text.reject("a time in seconds is expected, not " + in_quotes(word));
-  return stamp.value_or(0);
-}
-
 GpsFix read_fix(const Columns& columns, TextScanner& text) {
   GpsFix fix{text.place().line, {}, {}, {}, {}};
   for (const std::string& column : columns) {
     if (column == "time") {
-      fix.when = time(text);
+      fix.when = read_time(text);
     } else if (column == "pose") {
       fix.when = text.key();
     } else if (column == "session") {

@@ -44,9 +44,9 @@ Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log) {
       return text.error(fmt::format(
           "several sessions have a pose {}; stamp each log by itself, as mapjoin build does, and join them", key_text(*key)));
     if (stamps[pose]) return text.error(fmt::format("{} has two times; keep one", to_string(log.poses[pose])));
-    const std::string_view time = text.word();
-    stamps[pose] = nanoseconds(time);
-    if (!stamps[pose]) return text.error("a time in seconds is expected, not " + in_quotes(time));
+    stamps[pose] = read_time(text);
+    while (!text.at_end_of_line()) text.word();
+    if (auto line = text.finish_line(); !line) return line;
   }
   const auto missing = std::ranges::find_if(stamps, [](const auto& stamp) { return !stamp; });
   if (missing != stamps.end()) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <Eigen/SVD>
 #include <charconv>
 #include <cmath>
@@ -100,6 +102,17 @@ std::optional<std::int64_t> nanoseconds(std::string_view word) {
   return std::llround(seconds * static_cast<double>(kSecond));
 }
 
+std::int64_t read_time(TextScanner& text) {
+  const std::string_view word = text.word();
+  const auto stamp = nanoseconds(word);
+  std::int64_t number = 0;
+  const bool is_in_nanoseconds = !stamp && parse(word, number);
+  if (!stamp)
+    text.reject(fmt::format("a time in seconds is expected, not {}{}", in_quotes(word),
+                            is_in_nanoseconds ? ", which may be in nanoseconds" : ""));
+  return stamp.value_or(0);
+}
+
 bool is_tum_line(TextScanner line) {
   return has_numbers(line, kTumNumbers);
 }
@@ -120,11 +133,9 @@ Expected<AnyLog> read_tum_log(TextScanner text, const ReadOptions&) {
   std::vector<std::int64_t> stamps;
   const bool has_times = !counts_poses(text);
   const auto read_line = [&] {
-    const std::string_view word = text.word();
-    const auto stamp = nanoseconds(word);
-    if (!stamp) text.reject("a time in seconds is expected, not " + in_quotes(word));
+    const std::int64_t stamp = read_time(text);
     poses.push_back(read_g2o_pose<3>(text));
-    if (has_times) stamps.push_back(stamp.value_or(0));
+    if (has_times) stamps.push_back(stamp);
   };
   return text.each_line(read_line).and_then([&] { return any_log_of(text.source(), poses, stamps); });
 }

@@ -17,6 +17,9 @@ namespace mapjoin {
 /// words.
 std::optional<std::int64_t> nanoseconds(std::string_view word);
 
+/// Reads the next word as a time in seconds, and gives it in nanoseconds.
+std::int64_t read_time(TextScanner& text);
+
 /// A time in nanoseconds as seconds.
 inline double in_seconds(std::int64_t stamp_ns) {
   return 1e-9 * static_cast<double>(stamp_ns);

@@ -74,6 +74,16 @@ TEST_F(FileBytesTest, SaysInASentenceWhatIsWrongWithAFile) {
   EXPECT_EQ(message(testing::write_gzip(folder.path() / "empty.gz", "")), "the file is empty");
 }
 
+TEST_F(FileBytesTest, NamesThePackersWhoseFilesItDoesNotRead) {
+  const std::string zip("PK\3\4\24\0", 6);
+  EXPECT_EQ(message(folder.file("a",
+                                "\xfd"
+                                "7zXZ")),
+            "is packed by xz; unpack it, or pack it by gzip");
+  EXPECT_EQ(message(folder.file("b", "BZh91AY")), "is packed by bzip2; unpack it, or pack it by gzip");
+  EXPECT_EQ(message(folder.file("c", zip)), "is packed by zip; unpack it, or pack it by gzip");
+}
+
 TEST_F(FileBytesTest, PassesOverZerosBehindAGzipStream) {
   const fs::path path = testing::write_gzip(folder.path() / "padded.gz", text);
   std::ofstream(path, std::ios::app) << std::string(512, '\0');

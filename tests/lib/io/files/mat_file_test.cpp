@@ -175,6 +175,9 @@ TEST_F(MatFileTest, NamesTheVersionsThatItDoesNotRead) {
     EXPECT_TRUE(is_mat_file(header(version)));
     EXPECT_EQ(read_mat(header(version), "f.mat", {"a"}).error().message, part);
   }
+  const std::string version_4("\0\0\0\0\1\0\0\0\1\0\0\0\0\0\0\0\2\0\0\0a\0\0\0\0\0\0\0\0\0", 30);
+  EXPECT_TRUE(is_mat_file(version_4));
+  EXPECT_EQ(read_mat(version_4, "f.mat", {"a"}).error().message, "f.mat: a MAT file of version 4: save it with -v7");
 }
 
 TEST_F(MatFileTest, IsTooLargeRatherThanDamagedWhereItUnpacksToMoreThanAllowed) {
