@@ -43,12 +43,12 @@ std::string parameters_in(std::string_view text) {
 }  // namespace
 
 Expected<GrowingG2o> GrowingG2o::open(const std::filesystem::path& path, const ReadOptions& options) {
-  GrowingG2o file(path, options);
   struct stat status {};
-  if (file.descriptor_.value() < 0 || ::fstat(file.descriptor_.value(), &status) != 0) {
-    return call_failed(path, errno, ErrorKind::kBadInput);
-  }
+  if (::stat(path.c_str(), &status) != 0) return call_failed(path, errno, ErrorKind::kBadInput);
+  // Opening a pipe would wait for its writer.
   if (!S_ISREG(status.st_mode)) return bad_input(path.string() + ": only a plain file can be followed");
+  GrowingG2o file(path, options);
+  if (!file.descriptor_.is_open()) return call_failed(path, errno, ErrorKind::kBadInput);
   return file;
 }
 

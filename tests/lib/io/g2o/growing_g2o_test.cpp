@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <mapjoin/io/g2o/growing_g2o.hpp>
@@ -127,6 +128,9 @@ TEST_F(GrowingG2oTest, WhatIsWrongFromTheStartGivesNothing) {
 TEST_F(GrowingG2oTest, WhatCannotBeFollowedIsRefused) {
   EXPECT_FALSE(GrowingG2o::open(folder_.path() / "none", {}));
   EXPECT_THAT(GrowingG2o::open(folder_.path(), {}).error().message, HasSubstr("plain file"));
+  const auto pipe = folder_.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(GrowingG2o::open(pipe, {}).error().message, HasSubstr("plain file")) << "without waiting for its writer";
   append("\x1f\x8b" + kEdge01);
   GrowingG2o zipped = open();
   EXPECT_THAT(zipped.appended().error().message, HasSubstr("gzip"));
