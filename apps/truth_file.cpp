@@ -176,6 +176,11 @@ void TruthFile::take_map(const std::filesystem::path& map) {
   if (has_extra_file(Extra::kAssociations, map)) leave_features_out();
 }
 
+bool TruthFile::is_in_space() const {
+  const auto* log = std::get_if<AnyLog>(&content_);
+  return log && std::holds_alternative<Log<3>>(*log);
+}
+
 bool TruthFile::has_features() const {
   const auto* log = std::get_if<AnyLog>(&content_);
   return log && std::visit([](const auto& any) { return !any.initial.features.empty(); }, *log);

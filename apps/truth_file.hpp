@@ -63,6 +63,8 @@ class TruthFile {
   void take_map(const std::filesystem::path& map);
   /// Compares no features from now on: `--associate` named those of the map, as those of no other map.
   void leave_features_out() { takes_features_ = false; }
+  /// True if the truth is a log in space.
+  bool is_in_space() const;
   /// True if the truth has features that are not compared: `--associate` named them, or those of the map.
   bool leaves_features_out() const { return has_features() && !takes_features_; }
   /// True if the truth has features, which are compared.

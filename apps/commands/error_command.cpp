@@ -7,6 +7,7 @@
 #include <apps/commands/subcommand.hpp>
 #include <apps/report/errors.hpp>
 #include <apps/report/report.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
 #include <memory>
 #include <variant>
 
@@ -37,12 +38,30 @@ GlobalMap<Dim> map_of(Log<Dim> log) {
   return map;
 }
 
+/// The map in space; a planar one at height 0, as a trajectory in space is read if it is flat.
+GlobalMap<3> lifted(const GlobalMap<2>& map) {
+  GlobalMap<3> in_space;
+  in_space.pose_ids = map.pose_ids;
+  in_space.stamps_ns = map.stamps_ns;
+  in_space.feature_ids = map.feature_ids;
+  for (const Pose<2>& pose : map.poses) in_space.poses.push_back(mapjoin::in_space(pose));
+  for (const Point<2>& feature : map.features) in_space.features.emplace_back(feature.x(), feature.y(), 0.0);
+  return in_space;
+}
+GlobalMap<3> lifted(const GlobalMap<3>& map) {
+  return map;
+}
+
 ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop) {
   CommandRun command_run("error", options, stop);
   command_run.prepare(report_of(options));
   TruthFile truth(options.true_map, options.most_apart, options.read);
   truth.take_map(options.input);
-  const auto measure = [&](auto&& log) { command_run.measure(map_of(std::move(log)), truth, options.errors); };
+  const auto measure = [&](auto&& log) {
+    const auto map = map_of(std::move(log));
+    truth.is_in_space() ? command_run.measure(lifted(map), truth, options.errors)
+                        : command_run.measure(map, truth, options.errors);
+  };
   std::visit(measure, command_run.read_log());
   const TruthErrors& errors = *command_run.run_report.errors;
   if (errors.absolute.poses.translation.count == 0) {

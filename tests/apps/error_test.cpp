@@ -196,6 +196,14 @@ TEST_F(ErrorCommand, SpansCountThePosesOfTheMapAlsoWhereTheTruthHasFew) {
   }
 }
 
+TEST_F(ErrorCommand, AFlatTrajectoryIsComparedInSpaceWithATruthThere) {
+  const std::string flat = folder.file("flat.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n");
+  const std::string high = folder.file("high.g2o",
+                                       "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0.5 0 0 0 1\n"
+                                       "VERTEX_SE3:QUAT 2 2 0 0 0 0 0 1\n");
+  EXPECT_EQ(errors({"error", flat, high, "--align", "none"})["ate"]["translation"]["max"], 0.5);
+}
+
 TEST_F(ErrorCommand, RunPrintsTheSame) {
   const std::string log = kBundledLog;
   const std::string known = kBundledTruth;
