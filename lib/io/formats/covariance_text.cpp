@@ -63,7 +63,7 @@ Expected<AnyLog> read_map_circles(TextScanner text, const ReadOptions& options) 
     builder.add_pose_edge({0, step}, {0, step + 1}, motion, inverse_of(P, check, text));
     ++step;
   };
-  const auto read_circle = [&] {
+  const auto read_landmark = [&] {
     const Point<2> measured = text.vector<2>();
     text.number();  // The quality.
     const Matrix<2> P = text.symmetric<2>();
@@ -74,7 +74,7 @@ Expected<AnyLog> read_map_circles(TextScanner text, const ReadOptions& options) 
   const auto read_line = [&] {
     const std::string_view tag = text.word();
     if (tag == kStep) return read_step();
-    if (tag == kCircle) return read_circle();
+    if (tag == kCircle) return read_landmark();
     if (!options.skip_unknown) return text.reject(fmt::format("unknown tag {}", in_quotes(tag)));
     builder.add_skipped(lines_of(tag));
     while (!text.at_end_of_line()) text.word();
