@@ -96,6 +96,14 @@ std::optional<std::vector<Vertex>> order_of_paths(const std::vector<Edge>& edges
   return std::move(cover.order);
 }
 
+/// The order of driving that the edges tell: that of mention or of paths or, if neither is better, that of the ids.
+std::vector<Vertex> order_told_by(const std::vector<Edge>& edges, const PoseIds& poses) {
+  const std::vector<Vertex> of_ids = order_of_ids(poses.size());
+  const std::size_t tied_by_ids = tied_steps(edges, of_ids);
+  const bool do_ids_tell = tied_by_ids >= poses.size() / 2;
+  return (do_ids_tell ? better_order_of_mention(edges, poses, tied_by_ids) : order_of_paths(edges, poses)).value_or(of_ids);
+}
+
 template <typename T>
 void permute(const std::vector<PoseIndex>& order, Table<PoseIndex, T>& values) {
   if (values.empty()) return;
@@ -132,11 +140,18 @@ Expected<void> take_order(const PoseIds& order, Log<Dim>& log) {
 
 template <int Dim>
 void take_order_of_edges(Log<Dim>& log) {
+  constexpr int kMostRounds = 8;
   const std::vector<Edge> edges = edges_within_sessions(log);
-  const std::size_t tied_by_ids = tied_steps(edges, order_of_ids(log.poses.size()));
-  const bool do_ids_tell = tied_by_ids >= log.poses.size() / 2;
-  const auto order = do_ids_tell ? better_order_of_mention(edges, log.poses, tied_by_ids) : order_of_paths(edges, log.poses);
-  if (order) renumber_poses<Dim>({order->begin(), order->end()}, log);
+  const std::vector<Vertex> of_ids = order_of_ids(log.poses.size());
+  std::vector<Vertex> before;
+  std::vector<Vertex> order = order_told_by(edges, log.poses);
+  // Edges along the order come first where the log is written, and are to tell the same order when it is read again; those of
+  // an order without gaps do.
+  const bool has_gaps = tied_steps(edges, order) < steps_of(log.poses);
+  for (int round = 0; has_gaps && order != before && round < kMostRounds; ++round) {
+    before = std::exchange(order, order_told_by(along_first(edges, order), log.poses));
+  }
+  if (order != of_ids) renumber_poses<Dim>({order.begin(), order.end()}, log);
 }
 
 template Expected<void> take_order(const PoseIds&, Log<2>&);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
+#include <random>
 #include <tests/lib/model/built_log_fixture.hpp>
 #include <tests/support/dimensions.hpp>
 
@@ -11,6 +13,28 @@ namespace {
 
 using ::testing::ElementsAre;
 using testing::marks;
+
+using Edges = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+
+/// A drive over a few poses, some of whose ids are swapped, and closures, some of whose edges are swapped.
+Edges swapped_drive(std::mt19937& random) {
+  const auto swap_some = [&](auto& items) {
+    for (unsigned swaps = random() % 4; swaps > 0; --swaps) {
+      std::swap(items[random() % items.size()], items[random() % items.size()]);
+    }
+  };
+  std::vector<std::uint64_t> ids(3 + random() % 5);
+  std::iota(ids.begin(), ids.end(), 0);
+  swap_some(ids);
+  Edges edges;
+  for (std::size_t k = 1; k < ids.size(); ++k) edges.emplace_back(ids[k - 1], ids[k]);
+  for (unsigned closures = random() % 4; closures > 0; --closures) {
+    const std::size_t base = random() % ids.size();
+    edges.emplace_back(ids[base], ids[(base + 1 + random() % (ids.size() - 1)) % ids.size()]);
+  }
+  swap_some(edges);
+  return edges;
+}
 
 template <typename D>
 class DrivingOrderTest : public testing::BuiltLogTest<D> {};
@@ -74,6 +98,18 @@ TYPED_TEST(DrivingOrderTest, EdgesTellTheOrderWhereIdsAreSwapped) {
   EXPECT_EQ(std::move(again).finish()->poses, log->poses);
 }
 
+TYPED_TEST(DrivingOrderTest, ALogThatIsReadAgainHasTheSameOrder) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    std::mt19937 random(seed);
+    for (const auto& [base, target] : swapped_drive(random)) this->edge({0, base}, {0, target});
+    const auto log = this->finish().value();
+    this->builder = LogBuilder<TestFixture::kDim>("again.log");
+    this->builder.append(log);
+    ASSERT_EQ(this->finish()->poses, log.poses) << seed;
+    this->builder = LogBuilder<TestFixture::kDim>("some.log");
+  }
+}
+
 TYPED_TEST(DrivingOrderTest, IdsTellTheOrderOfPosesThatSeeNewMarkers) {
   for (const auto& [base, target] :
        std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 100}, {1, 2}, {2, 101}, {2, 3}, {3, 102}}) {
@@ -86,7 +122,8 @@ TYPED_TEST(DrivingOrderTest, IdsTellTheOrderOfPosesThatSeeNewMarkers) {
 
 TYPED_TEST(DrivingOrderTest, EdgesTellTheOrderOfSessionsThatAreMixed) {
   // Two sessions, both driven as 0, 1, 2, 4, 3, 5.
-  for (const auto& [base, target] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 2}, {2, 4}, {4, 3}, {3, 5}}) {
+  for (const auto& [base, target] :
+       std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 2}, {2, 4}, {4, 3}, {3, 5}}) {
     for (const std::uint32_t session : {1u, 0u}) this->edge({session, base}, {session, target});
   }
   const auto log = this->finish();
