@@ -11,16 +11,6 @@
 namespace mapjoin::apps {
 namespace {
 
-/// Sessions by the names of poses that no odometry ties: those of one robot are taken for its path.
-std::vector<Session> sessions_by_name(const PoseIds& poses) {
-  std::vector<Session> sessions;
-  for (const PoseIndex p : indices(poses)) {
-    if (p == 0 || poses[p].session != poses[p - 1].session) sessions.push_back({p, p});
-    sessions.back().end = p + 1;
-  }
-  return sessions;
-}
-
 template <int Dim>
 std::vector<Session> sessions_of(const Log<Dim>& log) {
   return log.odometry().empty() ? sessions_by_name(log.poses) : log.sessions;

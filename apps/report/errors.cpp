@@ -3,33 +3,23 @@
 
 #include <algorithm>
 #include <apps/report/errors.hpp>
+#include <mapjoin/model/log.hpp>
 #include <numbers>
 
 namespace mapjoin::apps {
 namespace {
 
-/// The position of the first pose of each session, and the number of poses.
-std::vector<std::size_t> session_bounds(const PoseIds& poses) {
-  std::vector<std::size_t> bounds;
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    if (p == 0 || poses[PoseIndex(p)].session != poses[PoseIndex(p - 1)].session) bounds.push_back(p);
-  }
-  bounds.push_back(poses.size());
-  return bounds;
-}
-
 /// Pairs of poses of the map a span apart, within sessions; the path is that of the map, as evo takes it.
 template <int Dim>
 PosePairs pairs_of(const GlobalMap<Dim>& map, double span, const ErrorOptions& options) {
   PosePairs pairs;
-  const std::vector<std::size_t> bounds = session_bounds(map.pose_ids);
-  for (std::size_t s = 0; s + 1 < bounds.size(); ++s) {
-    const std::vector<Pose<Dim>> session(map.poses.begin() + static_cast<std::ptrdiff_t>(bounds[s]),
-                                         map.poses.begin() + static_cast<std::ptrdiff_t>(bounds[s + 1]));
+  for (const auto& [begin, end] : sessions_by_name(map.pose_ids)) {
+    std::vector<Pose<Dim>> session;
+    for (PoseIndex p = begin; p < end; ++p) session.push_back(map.poses[p]);
     const PosePairs here = options.unit == SpanUnit::kMetres
                                ? pairs_by_path(session, span, options.pairs)
                                : pairs_by_steps(session.size(), static_cast<std::size_t>(span), options.pairs);
-    for (const auto& [i, j] : here) pairs.emplace_back(bounds[s] + i, bounds[s] + j);
+    for (const auto& [i, j] : here) pairs.emplace_back(begin.position() + i, begin.position() + j);
   }
   return pairs;
 }

@@ -131,6 +131,15 @@ Expected<void> check_given(const char* kind, const Values& values, const Names& 
 
 }  // namespace
 
+std::vector<Session> sessions_by_name(const PoseIds& poses) {
+  std::vector<Session> sessions;
+  for (const PoseIndex p : indices(poses)) {
+    if (p == 0 || poses[p].session != poses[p - 1].session) sessions.push_back({p, p});
+    sessions.back().end = p + 1;
+  }
+  return sessions;
+}
+
 template <int Dim>
 std::span<const PoseFactor<Dim>> Log<Dim>::edges() const {
   return std::span(graph.pose_factors).first(graph.pose_factors.size() - pose_priors().size());
