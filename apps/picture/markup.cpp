@@ -23,7 +23,8 @@ std::size_t first_character(std::string_view text) {
   for (std::size_t k = 2; k < length; ++k) {
     if ((byte(k) & 0xC0U) != 0x80U) return 0;
   }
-  return length;
+  const bool is_no_character = text.starts_with("\uFFFE") || text.starts_with("\uFFFF");
+  return is_no_character ? 0 : length;
 }
 
 /// A character as markup has it; "" stands for one that it may not hold.

@@ -20,6 +20,7 @@ TEST(Escaped, HasAReplacementForWhatNoTextIs) {
   EXPECT_EQ(escaped("\xc0\xaf"), "\uFFFD\uFFFD") << "longer than need be";
   EXPECT_EQ(escaped("\xed\xa0\x80"), "\uFFFD\uFFFD\uFFFD") << "a surrogate";
   EXPECT_EQ(escaped("\xf4\x90\x80\x80"), "\uFFFD\uFFFD\uFFFD\uFFFD") << "beyond U+10FFFF";
+  EXPECT_EQ(escaped("\uFFFE\uFFFF"), "\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD") << "no characters, by byte";
 }
 
 TEST(Base64, IsAsInRfc4648) {
