@@ -42,6 +42,7 @@ struct AlignedPair {
   std::size_t pair = 0;  ///< Index among the pairs of maps.
   std::vector<FeaturePair> features;
   std::vector<Match> matches;  ///< The match of each of `features`, given the others.
+  double log_odds = 0.0;       ///< Of the alignment (see Matcher::log_odds()).
 };
 
 /// The joined map, given that some features are the same.
@@ -56,6 +57,8 @@ class AlignmentBranch {
   /// The sum over placed pairs of maps of the squared Mahalanobis distance between their alignment and the one predicted by the
   /// pairs before, less its mean, plus all charges.
   double excess() const { return excess_; }
+  /// The sum over placed pairs of maps of the logarithm of the odds of their alignment (see Matcher::log_odds()).
+  double log_odds() const { return log_odds_; }
 
   /// L⁻¹ C, with C the covariance of the held differences with the differences of pairs, and L the Cholesky factor of the
   /// covariance of the held ones. `above` are the first rows of the result, if known already.
@@ -82,6 +85,7 @@ class AlignmentBranch {
   Eigen::MatrixXd factor_;    // L, with L Lᵀ the covariance of the differences that are held at zero
   Eigen::VectorXd whitened_;  // L⁻¹ times the held differences
   double excess_ = 0.0;
+  double log_odds_ = 0.0;
 };
 
 }  // namespace mapjoin

@@ -83,7 +83,8 @@ bool IdentitySearch<Dim>::extend(const FeatureEstimate<Dim>& estimate) {
 
 template <int Dim>
 bool IdentitySearch<Dim>::align_together(const FeatureEstimate<Dim>& estimate, const MapMatching<Dim>& matching) {
-  JointAlignment<Dim> alignment(estimate, identities_, density_, options_.confidence, matching.pairs(kFarther, stop_));
+  JointAlignment<Dim> alignment(estimate, identities_, density_, matching.map_sees(), options_.confidence,
+                                matching.pairs(kFarther, stop_));
   return take(alignment.propose(stop_));
 }
 

@@ -53,10 +53,12 @@ bool share_a_pairing(const AlignedPair& one, const AlignedPair& other) {
 
 template <int Dim>
 JointAlignment<Dim>::JointAlignment(const FeatureEstimate<Dim>& estimate, const Identities& identities,
-                                    const NeighbourDensity<Dim>& density, double confidence, std::vector<MapPair<Dim>> pairs)
+                                    const NeighbourDensity<Dim>& density, const SightingChance& map_sees, double confidence,
+                                    std::vector<MapPair<Dim>> pairs)
     : estimate_(estimate),
       identities_(identities),
       density_(density),
+      map_sees_(map_sees),
       confidence_(confidence),
       per_deviation_(std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density.overall()),
       gate_(matcher().gate()),
@@ -147,7 +149,9 @@ std::optional<std::size_t> JointAlignment<Dim>::next() {
 template <int Dim>
 PairingProblem<Dim> JointAlignment<Dim>::problem(const Branch& branch, const Features& features) const {
   PairingProblem<Dim> problem = branch.problem(features.known, features.sightings, covariances_);
+  problem.maps[0].all = problem.known;
   problem.maps[1].all = problem.sightings;
+  problem.map_sees = &map_sees_;
   for (std::size_t s = 0; s < features.sightings.size(); ++s) {
     for (std::size_t k = 0; k < features.known.size(); ++k) {
       const Pairing pairing{k, s};
@@ -170,6 +174,7 @@ std::vector<AlignmentBranch<Dim>> JointAlignment<Dim>::placed(const Branch& bran
     if (placement.pairings().size() < AlignmentBranch<Dim>::kFewest) continue;
     if (probability_of(placement.score() - log_tests()) < confidence_) continue;  // chance may find it
     AlignedPair placed{pair, {}, matcher.matches(problem, placement)};
+    placed.log_odds = placed.matches.front().score;
     for (const Pairing& p : placement.pairings()) {
       placed.features.push_back({features.known[p.known], features.sightings[p.sighting]});
     }
@@ -209,23 +214,30 @@ template <int Dim>
 void JointAlignment<Dim>::prune(std::vector<Branch> branches) {
   std::ranges::stable_sort(branches, {}, [](const Branch& b) { return b.excess(); });
   const double most = branches.front().excess() - 2.0 * std::log(kLeastOdds);
-  std::erase_if(branches, [most](const Branch& b) { return b.excess() > most; });
+  const double least = std::ranges::max(branches, {}, &Branch::log_odds).log_odds() + std::log(kLeastOdds);
+  std::erase_if(branches, [&](const Branch& b) { return b.excess() > most && b.log_odds() < least; });
   branches.resize(std::min(kMostAlignmentBranches, branches.size()));
   branches_ = std::move(branches);
 }
 
-/// The share of the branches, weighted by their probabilities, that align a pair of maps alike: with a pairing in common.
+/// The share of the branches, weighted by their probabilities, that align a pair of maps alike: with a pairing in common. It is
+/// the lesser of two shares: by how well the alignments fit each other, and by the odds of all pairings.
 template <int Dim>
 double JointAlignment<Dim>::share_of(const AlignedPair& placed) const {
-  double with = 0.0;
-  double all = 0.0;
-  for (const Branch& branch : branches_) {
-    const double weight = std::exp(0.5 * (branches_.front().excess() - branch.excess()));
-    all += weight;
-    const auto is_so = [&](const AlignedPair& p) { return p.pair == placed.pair && share_a_pairing(p, placed); };
-    if (std::ranges::any_of(branch.placed(), is_so)) with += weight;
-  }
-  return with / all;
+  const auto aligns_alike = [&](const AlignedPair& p) { return p.pair == placed.pair && share_a_pairing(p, placed); };
+  const auto share_by = [&](const auto& log_weight) {
+    const double most = log_weight(std::ranges::max(branches_, {}, log_weight));
+    double with = 0.0;
+    double all = 0.0;
+    for (const Branch& branch : branches_) {
+      const double weight = std::exp(log_weight(branch) - most);
+      all += weight;
+      if (std::ranges::any_of(branch.placed(), aligns_alike)) with += weight;
+    }
+    return with / all;
+  };
+  return std::min(share_by([](const Branch& b) { return -0.5 * b.excess(); }),
+                  share_by([](const Branch& b) { return b.log_odds(); }));
 }
 
 /// True if the share of the branches that agree with the best one on each pair of maps reaches placement_confidence().

@@ -15,9 +15,10 @@ namespace mapjoin {
 template <int Dim>
 class JointAlignment {
  public:
-  /// The references must outlive this.
+  /// `map_sees` is the chance that a map sees a feature, by the distance of the nearest other one that it sees (m). The
+  /// references must outlive this.
   JointAlignment(const FeatureEstimate<Dim>& estimate, const Identities& identities, const NeighbourDensity<Dim>& density,
-                 double confidence, std::vector<MapPair<Dim>> pairs);
+                 const SightingChance& map_sees, double confidence, std::vector<MapPair<Dim>> pairs);
 
   /// The pairings of the best branch that are probable, whichever branch is right.
   std::vector<Proposal> propose(const std::stop_token& stop);
@@ -52,6 +53,7 @@ class JointAlignment {
   const FeatureEstimate<Dim>& estimate_;
   const Identities& identities_;
   const NeighbourDensity<Dim>& density_;
+  const SightingChance& map_sees_;
   double confidence_;
   double per_deviation_;  // number of features that one may be mistaken for, per √det of a covariance
   double gate_;

@@ -63,6 +63,8 @@ class MapMatching {
   /// All pairs of maps with two features that may be the same and may be mistaken for at most `reach` others; ordered by the
   /// later map, then the earlier one.
   std::vector<MapPair<Dim>> pairs(double reach, const std::stop_token& stop) const;
+  /// The chance that a map sees a feature, by the distance of the nearest other one that it sees (m).
+  const SightingChance& map_sees() const { return map_sees_; }
 
  private:
   MapFeatures<Dim> features_of(std::size_t map, std::size_t other, const std::set<FeatureIndex>& candidates) const;

@@ -214,17 +214,23 @@ void Matcher<Dim>::match_jointly(const PairingProblem<Dim>& problem, const std::
   if (found.empty()) return;
   const Hypothesis<Dim>& best = found.front();
   const std::vector<Match> of_best = this->matches(problem, best);
-  const double not_by_chance = probability_of(of_best.front().score - problem.log_tests);
+  const double log_odds = of_best.front().score;
+  const double not_by_chance = probability_of(log_odds - problem.log_tests);
+  std::vector<double> odds_of_others;  // by placement after the best
+  for (auto other = found.begin() + 1; other != found.end(); ++other) {
+    const double by_fit = 0.5 * (best.excess() - other->excess());
+    odds_of_others.push_back(std::exp(std::max(by_fit, this->log_odds(problem, *other) - log_odds)));
+  }
   for (std::size_t k = 0; k < of_best.size(); ++k) {
     const Pairing& pairing = best.pairings()[k];
     double others = 0.0;
-    for (auto other = found.begin() + 1; other != found.end(); ++other) {
-      if (contradicts(*other, pairing)) others += std::exp(0.5 * (best.excess() - other->excess()));
+    for (std::size_t other = 1; other < found.size(); ++other) {
+      if (contradicts(found[other], pairing)) others += odds_of_others[other - 1];
     }
     Match& match = matches[pairing.sighting];
     match = of_best[k];
-    match.placement_probability = 1.0 / (1.0 / match.placement_probability + others);
-    match.probability *= match.placement_probability * not_by_chance;
+    match.placement_probability = not_by_chance / (1.0 / match.placement_probability + others);
+    match.probability *= match.placement_probability;
   }
 }
 

@@ -27,8 +27,8 @@ struct Match {
   double squared_distance = 0.0;     ///< Squared Mahalanobis distance of the sighting alone.
   std::size_t candidates = 0;        ///< Number of known features within its gate.
   double score = 0.0;                ///< Log odds of the whole hypothesis (see Matcher::log_odds()); 0 with kNearest.
-  /// Probability of the hypothesis against the placements that contradict this match; a factor of `probability`. 1 with
-  /// kNearest.
+  /// Probability of the hypothesis against chance and against the placements that contradict this match; a factor of
+  /// `probability`. 1 with kNearest.
   double placement_probability = 0.0;
 };
 
@@ -44,9 +44,9 @@ class Matcher {
   /// The hypothesis of the highest score is sought from sighting to sighting, following the most promising branches (beam
   /// search). Hypotheses of lower score follow that share none of its pairings and explain at least half as many sightings:
   /// other placements of the sightings. Shifts by which their map falls onto itself, as in a regular plantation, count as
-  /// placements, too. The probability of a pairing is a product: that of its hypothesis against the placements that
-  /// contradict it, that of the hypothesis not being found by chance, and that of the pairing, given the others, against a
-  /// feature not known yet.
+  /// placements, too. Placements are compared by how well they fit and by their log odds, whichever is worse for the first. The
+  /// probability of a pairing is a product: that of its hypothesis against the placements that contradict it, that of the
+  /// hypothesis not being found by chance, and that of the pairing, given the others, against a feature not known yet.
   std::vector<Match> operator()(PairingProblem<Dim> problem);
 
   /// The placements to compare, the best first. Removes choices that are outside of the gates by themselves from the problem,
@@ -55,8 +55,8 @@ class Matcher {
   /// The match of each pairing of a placement that is right but for shifts by which the sightings' map falls onto itself: its
   /// probability, given the others, against a feature not known yet.
   std::vector<Match> matches(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement);
-  /// The logarithm of the odds of a placement against maps that do not overlap: its score, less what the maps overlooked of
-  /// each other.
+  /// The logarithm of the odds of a placement against features that all are others: its score, less what the maps then
+  /// overlooked of each other.
   double log_odds(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement);
 
   double gate() { return gates_(Dim); }

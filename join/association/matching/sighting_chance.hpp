@@ -11,7 +11,8 @@ namespace mapjoin {
 /// The distance of a feature (m), and true if it was seen.
 using SightingTrial = std::pair<double, bool>;
 
-/// The chance that a pose sees a feature by its distance, or a map by its distance from the nearest of the map's poses.
+/// The chance that a feature is seen, by a distance: by a pose, by that of the feature from it; by a map, by that from the
+/// nearest of its poses, or from the nearest other feature that it sees.
 class SightingChance {
  public:
   SightingChance() = default;
