@@ -97,7 +97,7 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, co
   }
   join.state = state_of(task.graph, joined_map, system.estimate());
   for (const PoseIndex place : gauge.anchored) join.anchored.push_back(joined_map.poses[place]);
-  join.rows = measured_rows(joined_map, gauge, join.maps);
+  join.result.dof = measured_rows(joined_map, gauge, join.maps) - static_cast<std::int64_t>(system.equations().size());
   join.poses = std::move(joined_map.poses);
   join.features = std::move(joined_map.features);
   join.system = std::make_unique<JoiningSystem<Dim>>(std::move(system));

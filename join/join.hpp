@@ -58,8 +58,6 @@ struct Join {
   std::vector<PoseIndex> anchored;             ///< Anchored poses, the gauge of the map; empty if priors hold it.
   std::unique_ptr<JoiningSystem<Dim>> system;  ///< System of the last join, for polishing.
   std::vector<MapFit> maps;                    ///< Fits of the submap graph's maps, in their order.
-  std::int64_t rows = 0;  ///< Measured rows of maps and observations, without those of submap-local features.
-  std::int64_t dof() const { return rows - static_cast<std::int64_t>(system->equations().size()); }
 };
 
 /// Joins a submap graph, which must be connected (see check_connected). Bad input, with the id, if the observations leave a

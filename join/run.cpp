@@ -52,7 +52,6 @@ template <int Dim>
 void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.join = join.result;
   figures.path = join.path;
-  figures.join_dof = join.dof();
   figures.maps = join.maps;
   figures.joint_bytes += join.system->equations().factor_bytes();
 }
@@ -105,7 +104,7 @@ Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, st
   auto joined = join_maps(log, graph, origin, &log.initial, options, stop, result);
   if (!joined) return tl::unexpected(joined.error());
   // A join of the whole log has counted its rows already.
-  result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->anchored.size()) : joined->dof();
+  result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->anchored.size()) : joined->result.dof;
   Values<Dim> state = std::move(joined->state);
   recover(log, split, graph, options, stop, state, result);
 
@@ -147,7 +146,7 @@ Expected<Found<Dim>> join_set(SubmapSet<Dim>& set, const RunOptions& options, co
   const SubmapGraph<Dim> graph = submap_graph_of(set, std::move(set.graph.submaps));
   auto joined = join_maps<Dim>(set, graph, {}, nullptr, options, stop, result);
   if (!joined) return tl::unexpected(joined.error());
-  result.dof = joined->dof();
+  result.dof = joined->result.dof;
   result.chi2 = joined->result.chi2;
   std::optional<Restored<Dim>> restored_join;
   if (wants_assessment(options)) restored_join.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));

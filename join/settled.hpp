@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/join/tolerances.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/values.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
@@ -31,16 +33,21 @@ double largest_rotation_update(const Values<Dim>& from, const Values<Dim>& to) {
 
 /// The last solve of a join, and whether it is settled and confirmed that there is no better optimum.
 struct JoinResult : MinimiseResult {
+  std::int64_t dof = 0;                   ///< Measured rows less free variables.
   Schedule schedule = Schedule::kTree;    ///< Schedule that found the join; for kAuto the one of least chi2.
   double largest_rotation = 0.0;          ///< Largest rotation of a pose (rad): how far from linear the solve was.
   bool is_settled = false;                ///< For kAuto: this join settles the map by itself (see settles()).
   std::optional<bool> is_confirmed = {};  ///< For kAuto: whether the ways that were tried confirm this optimum.
 
-  /// True if it converged and every step gained what the model promised: there was no second minimum on the way.
-  bool was_as_good_as_linear() const { return status == MinimiseStatus::kConverged && short_steps == 0; }
+  /// True if it converged, every step gained what the model promised, so that there was no second minimum on the way, and chi2
+  /// is not larger than its degrees of freedom allow, as in a minimum into which every step led.
+  bool was_as_good_as_linear() const {
+    return status == MinimiseStatus::kConverged && short_steps == 0 &&
+           chi_squared_upper_tail(chi2, static_cast<double>(dof)) >= kLeastJoinProbability;
+  }
   /// True if it began near the optimum to which it converged.
   bool came_from_near_by() const {
-    return status == MinimiseStatus::kConverged && (largest_rotation < kFarFromLinear || short_steps == 0);
+    return status == MinimiseStatus::kConverged && (largest_rotation < kFarFromLinear || was_as_good_as_linear());
   }
   /// True if it settles the map by itself.
   bool settles() const { return was_as_good_as_linear() || (schedule == kWays.front() && came_from_near_by()); }

@@ -25,6 +25,10 @@ inline bool is_less_chi2(double a, double b) {
 /// more.
 constexpr double kFarFromLinear = 1.0;
 
+/// The probability of a larger chi2 below which a solve is not believed on the gains of its steps alone: a right one is solved
+/// anew in a thousandth of cases.
+constexpr double kLeastJoinProbability = 1e-3;
+
 /// The probability below which, and below 1/k², a growth of chi2 by the k-th map that is added asks for a join of all: for any
 /// number of maps, the expected number of needless requests is below 0.1.
 constexpr double kLeastGrowthProbability = 1e-3;

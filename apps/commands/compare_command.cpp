@@ -113,7 +113,7 @@ Json json_of(const std::vector<std::size_t>& spans, const CaseFigures& figures) 
                                             {{"status", run.join.status},
                                              {"iterations", figures.join_iterations()},
                                              {"chi2", run.join.chi2},
-                                             {"dof", run.join_dof}}},
+                                             {"dof", run.join.dof}}},
                                            {"polish_iterations", figures.polish_iterations()},
                                            {"system_bytes", run.joint_bytes},
                                            {"joined", json_of(spans, figures.joined)},

@@ -92,7 +92,7 @@ Json join_of(const RunReport& run_report) {
                                               {"turned", figures.join.largest_rotation},
                                               {"chi2", figures.join.chi2},
                                               {"course", course_of(figures.join)},
-                                              {"dof", figures.join_dof},
+                                              {"dof", figures.join.dof},
                                               {"maps", map_fits_of(run_report)}}));
   json["seconds"] = figures.seconds.join;
   return json;

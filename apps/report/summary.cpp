@@ -39,7 +39,7 @@ std::string join_in_words(const RunReport& run_report) {
   const std::string start = takes_start ? fmt::format("{} from the {} start", gradually, to_string(options.start)) : "";
   const bool is_ours = options.solver.engine == Engine::kFronts;
   const std::string engine = is_ours ? "" : fmt::format(", by {}", to_string(options.solver.engine));
-  return fmt::format("{}, dof {} ({}{}, {}, {} state{})", solve_in_words(run_report.figures.join), run_report.figures.join_dof,
+  return fmt::format("{}, dof {} ({}{}, {}, {} state{})", solve_in_words(run_report.figures.join), run_report.figures.join.dof,
                      to_string(options.schedule), start, to_string(options.solver.method), to_string(options.state), engine);
 }
 

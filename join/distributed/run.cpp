@@ -114,7 +114,7 @@ Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPar
   result.joint_bytes = problem.factor_bytes();
   result.map = gathered(comm, whole, regions.own, problem);
   result.dof = degrees_of_freedom(comm.sum(rows), whole, result.map.gauge.size());
-  result.join_dof = result.dof;
+  result.join.dof = result.dof;
   return comm.agree(check_finite(result, whole.source));  // the map is on the first rank
 }
 

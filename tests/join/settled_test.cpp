@@ -10,11 +10,12 @@
 namespace mapjoin {
 namespace {
 
-/// A solve that converged at `chi2`, after `short_steps` steps that gained less than promised, with a pose turned by
-/// `largest_rotation` (rad).
+/// A solve that converged at `chi2` with 10 degrees of freedom, after `short_steps` steps that gained less than promised, with
+/// a pose turned by `largest_rotation` (rad).
 JoinResult found(double chi2, int short_steps, double largest_rotation) {
   JoinResult found;
   found.chi2 = chi2;
+  found.dof = 10;
   found.short_steps = short_steps;
   found.largest_rotation = largest_rotation;
   return found;
@@ -60,6 +61,14 @@ TEST(BestOfWays, TakesALaterOneOnlyWhereItWasAsGoodAsLinear) {
   Ways linear({{kAligned, found(9.0, 1, 2.0)}, {kTree, found(8.0, 0, 2.0)}});
   EXPECT_EQ(linear.best()->schedule, kTree);
   EXPECT_THAT(linear.tried, ElementsAre(kAligned, kTree));
+}
+
+TEST(BestOfWays, DoesNotBelieveGainsOfStepsAloneWhereChi2IsTooLarge) {
+  Ways far({{kAligned, found(90.0, 0, 2.0)}, {kTree, found(60.0, 0, 0.5)}, {kUnbalanced, found(9.0, 0, 2.0)}});
+  EXPECT_EQ(far.best()->schedule, kUnbalanced);
+  EXPECT_TRUE(far.best()->is_settled);
+  Ways near({{kAligned, found(90.0, 0, 0.5)}});
+  EXPECT_TRUE(near.best()->is_settled) << "covariances may be too sure";
 }
 
 TEST(BestOfWays, BelievesAnOptimumThatTwoEndAtWhereOneOfThemCameFromNearBy) {

@@ -36,7 +36,7 @@ TYPED_TEST(IncrementalJoinTest, EndsWhereAJoinOfAllMapsEnds) {
   const auto batch = this->batch(updates);
   // The difference of chi2 is that of the states in squared standard deviations, all of them together.
   EXPECT_NEAR(last.chi2, batch.result.chi2, 0.02);
-  EXPECT_EQ(last.dof, batch.dof());
+  EXPECT_EQ(last.dof, batch.result.dof);
   EXPECT_LT(this->difference(joined, updates), 0.02);
 }
 
