@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <iterator>
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>
 #include <mapjoin/model/lists.hpp>
@@ -8,18 +9,19 @@
 namespace mapjoin {
 namespace {
 
-/// The least spread of points that fixes a rotation, relative to their largest coordinate, or to 1 m if that is less, and,
-/// about their main axis, to their largest spread.
+/// The least spread of points that fixes a rotation: in metres, relative to their largest coordinate, whose digits end there,
+/// and, about their main axis, to their largest spread.
 constexpr double kLeastSpread = 1e-6;
+constexpr double kLeastShareOfCoordinates = 1e-10;
 
-/// True if the points spread in at least Dim - 1 directions, and so fix a rotation.
+/// The number of directions in which points spread, Dim at most; Dim - 1 fix a rotation.
 template <int Dim>
-bool fixes_rotation(const std::vector<Point<Dim>>& points) {
+int spread_directions(const std::vector<Point<Dim>>& points) {
   Point<Dim> mean = Point<Dim>::Zero();
-  double scale = 1.0;
+  double largest = 0.0;
   for (const auto& point : points) {
     mean += point;
-    scale = std::max(scale, point.cwiseAbs().maxCoeff());
+    largest = std::max(largest, point.cwiseAbs().maxCoeff());
   }
   mean /= static_cast<double>(points.size());
   Matrix<Dim> scatter = Matrix<Dim>::Zero();
@@ -30,8 +32,21 @@ bool fixes_rotation(const std::vector<Point<Dim>>& points) {
   } else {
     axes.compute(scatter, Eigen::EigenvaluesOnly);  // in 3D the direct method loses half the digits
   }
-  const Vector<Dim> spread = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();  // ascending: [1] is the least of Dim - 1
-  return spread[Dim - 1] > kLeastSpread * scale && spread[1] > kLeastSpread * spread[Dim - 1];
+  const Vector<Dim> spread = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();  // ascending
+  if (!(spread[Dim - 1] > std::max(kLeastSpread, kLeastShareOfCoordinates * largest))) return 0;
+  return static_cast<int>((spread.array() > kLeastSpread * spread[Dim - 1]).count());
+}
+
+/// The motion of points onto others where a line in space leaves the roll free. What is added to their cross-covariance asks
+/// for the least turn; the vertical counts double, so that what leads back is turned about it, not upside down.
+Pose<3> aligned_line(const std::vector<Point<3>>& from, const std::vector<Point<3>>& to) {
+  using Columns = Eigen::Map<const Eigen::Matrix3Xd>;
+  const Columns first(from.front().data(), 3, std::ssize(from)), second(to.front().data(), 3, std::ssize(to));
+  const Point<3> first_mean = first.rowwise().mean(), second_mean = second.rowwise().mean();
+  Matrix<3> C = (second.colwise() - second_mean) * (first.colwise() - first_mean).transpose();
+  C.diagonal() += kLeastSpread * C.norm() * Point<3>(1.0, 1.0, 2.0);
+  const Rotation<3> rotation = nearest_rotation(C);
+  return {second_mean - rotation.matrix() * first_mean, rotation};
 }
 
 /// Calls f(place in a, place in b) for every index that two ascending lists share. Linear in the range that they have in
@@ -75,8 +90,18 @@ void unite(const Table<Index, Index>& a, const Table<Index, T>& a_values, const 
 template <int Dim>
 std::optional<Pose<Dim>> rigid_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to) {
   if (static_cast<int>(from.size()) < Dim) return std::nullopt;
-  if (!fixes_rotation<Dim>(from) || !fixes_rotation<Dim>(to)) return std::nullopt;
+  if (std::min(spread_directions<Dim>(from), spread_directions<Dim>(to)) < Dim - 1) return std::nullopt;
   return align<Dim>(from, to);
+}
+
+template <int Dim>
+std::optional<Pose<Dim>> least_turning_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to) {
+  auto aligned = rigid_alignment<Dim>(from, to);
+  if constexpr (Dim == 3) {
+    const bool are_lines = !from.empty() && std::min(spread_directions<Dim>(from), spread_directions<Dim>(to)) > 0;
+    if (!aligned && are_lines) aligned = aligned_line(from, to);
+  }
+  return aligned;
 }
 
 template <int Dim>
@@ -156,11 +181,12 @@ PartialMap<Dim> merged(const PartialMap<Dim>& a, const PartialMap<Dim>& b, const
   return both;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                     \
-  template std::optional<Pose<Dim>> rigid_alignment(const std::vector<Point<Dim>>&, const std::vector<Point<Dim>>&); \
-  template struct Correspondences<Dim>;                                                                              \
-  template Correspondences<Dim> correspondences_between(const PartialMap<Dim>&, const PartialMap<Dim>&,              \
-                                                        const std::vector<const PoseFactor<Dim>*>&);                 \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                             \
+  template std::optional<Pose<Dim>> rigid_alignment(const std::vector<Point<Dim>>&, const std::vector<Point<Dim>>&);         \
+  template std::optional<Pose<Dim>> least_turning_alignment(const std::vector<Point<Dim>>&, const std::vector<Point<Dim>>&); \
+  template struct Correspondences<Dim>;                                                                                      \
+  template Correspondences<Dim> correspondences_between(const PartialMap<Dim>&, const PartialMap<Dim>&,                      \
+                                                        const std::vector<const PoseFactor<Dim>*>&);                         \
   template PartialMap<Dim> merged(const PartialMap<Dim>&, const PartialMap<Dim>&, const Pose<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

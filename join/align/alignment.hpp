@@ -15,6 +15,11 @@ namespace mapjoin {
 template <int Dim>
 std::optional<Pose<Dim>> rigid_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to);
 
+/// As rigid_alignment(); where points on a line in space leave the roll about it free, of all such motions the one that turns
+/// the least.
+template <int Dim>
+std::optional<Pose<Dim>> least_turning_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to);
+
 /// Poses and points that two frames have in common.
 template <int Dim>
 struct Correspondences {

@@ -40,10 +40,16 @@ double misfit(const Correspondences<Dim>& correspondences, const Pose<Dim>& alig
   return sum;
 }
 
+/// Places a map by the best of the candidates, or, if its positions lie on a line, as well as these tell: others may know the
+/// roll.
 template <int Dim>
 void place_by(const Correspondences<Dim>& correspondences, PartialMap<Dim>& partial) {
-  const auto candidates = correspondences.candidates();
-  if (candidates.empty()) return;
+  auto candidates = correspondences.candidates();
+  if (candidates.empty()) {
+    const auto aligned = least_turning_alignment(correspondences.second_points, correspondences.first_points);
+    if (!aligned) return;
+    candidates = {*aligned};
+  }
   const auto best =
       cheapest_alignment<Dim>(candidates, [&](const Pose<Dim>& alignment) { return misfit(correspondences, alignment); });
   partial.state = moved(best, std::move(partial.state));

@@ -61,12 +61,15 @@ std::vector<TestedPart> parts_of(const System<Dim>& system, std::size_t factors,
   return parts;
 }
 
-/// Solves for closures and priors that others hardly confirm: one alone may close a long loop.
+/// Solves for closures and priors that others hardly confirm, as one alone may close a long loop, and for whatever else is
+/// confirmed by less than rounding shows.
 template <int Dim>
 void solve_for_weak(LeaveOneOut<Dim>& leave_one_out, const std::vector<TestedPart>& parts, const std::stop_token& stop) {
   std::vector<std::size_t> factors;
-  for (const TestedPart& part : parts) {
-    if (part.kind == PartKind::kClosure || part.kind == PartKind::kPrior) factors.push_back(part.part.factor);
+  for (const auto& [kind, part, test] : parts) {
+    const bool may_close_a_loop = kind == PartKind::kClosure || kind == PartKind::kPrior;
+    const bool is_whole = kind != PartKind::kMapFeature;
+    if (may_close_a_loop || (is_whole && leave_one_out.is_rounded(part.factor))) factors.push_back(part.factor);
   }
   leave_one_out.solve_for_weak(factors, stop);
 }

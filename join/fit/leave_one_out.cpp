@@ -44,17 +44,20 @@ FactorVariables variables_of(std::size_t factor, const NormalEquations& equation
   return found;
 }
 
-/// J P Jᵀ plus a bound on its rounding: the covariances of poses far from the gauge nearly cancel.
+/// The covariance J P Jᵀ of what the estimate predicts for a factor.
+struct PredictedCovariance {
+  Eigen::MatrixXd covariance;
+  /// Bounds on that of its diagonal, often a hundred times as large: the covariances of poses far from the gauge nearly cancel.
+  Eigen::VectorXd rounding;
+};
 template <int Dim>
-Eigen::MatrixXd predicted_covariance(const Eigen::MatrixXd& J, std::size_t factor, const NormalEquations& equations,
-                                     const Marginals& marginals) {
+PredictedCovariance predicted_covariance(const Eigen::MatrixXd& J, std::size_t factor, const NormalEquations& equations,
+                                         const Marginals& marginals) {
   const auto [variables, columns] = variables_of<Dim>(factor, equations);
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(J.cols(), J.cols());
   P(columns, columns) = marginals.joint(variables);
-  Eigen::MatrixXd covariance = J * P * J.transpose();
   constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
-  covariance.diagonal() += kRounding * (J.cwiseAbs() * P.diagonal().cwiseSqrt()).cwiseAbs2();
-  return covariance;
+  return {J * P * J.transpose(), kRounding * (J.cwiseAbs() * P.diagonal().cwiseSqrt()).cwiseAbs2()};
 }
 
 /// The information of a part of a factor; an observation is one part.
@@ -103,7 +106,7 @@ LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEqua
       marginals_(marginals),
       step_(equations.solve(equations.gradient())),
       offsets_{0},
-      least_redundancies_(factor_count(), kLeastRedundancy) {
+      least_redundancies_(factor_count()) {
   for (std::size_t k = 0; k < factor_count(); ++k) {
     const auto rows = static_cast<std::size_t>(system.rows(k));
     offsets_.push_back(offsets_.back() + rows * (rows + 1));
@@ -113,9 +116,16 @@ LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEqua
     const DenseFactor factor = dense_factor(system, k);
     const Eigen::VectorXd r = factor.r - times<Dim>(factor.J, step_, k, equations);
     g(k) = factor.W * r;
-    M(k) = factor.W - factor.W * predicted_covariance<Dim>(factor.J, k, equations, marginals) * factor.W;
+    const auto [covariance, rounding] = predicted_covariance<Dim>(factor.J, k, equations, marginals);
+    M(k) = factor.W - factor.W * covariance * factor.W;
+    least_redundancies_[k] = std::max(kLeastRedundancy, factor.W.diagonal().dot(rounding));
     return r.dot(g(k));
   });
+}
+
+template <int Dim>
+bool LeaveOneOut<Dim>::is_rounded(std::size_t factor) const {
+  return least_redundancies_[factor] > kLeastRedundancy;
 }
 
 template <int Dim>
@@ -123,9 +133,9 @@ void LeaveOneOut<Dim>::solve_for_weak(std::span<const std::size_t> factors, cons
   std::vector<std::size_t> weak;
   for (const std::size_t k : factors) {
     const Eigen::MatrixXd W = dense_factor(system_, k).W;
-    if (has_all_directions(M(k), W, kLeastRedundancy)) continue;
+    if (has_all_directions(M(k), W, least_redundancies_[k])) continue;
     const Eigen::MatrixXd of_W = whitening(W);
-    if (testable_directions(M(k), of_W, kLeastRedundancy).cols() < of_W.cols()) weak.push_back(k);
+    if (testable_directions(M(k), of_W, least_redundancies_[k]).cols() < of_W.cols()) weak.push_back(k);
   }
   if (weak.empty()) return;
   const std::vector<bool> are_lone = lone_ties(equations_.pattern());
@@ -167,7 +177,9 @@ PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
 template <int Dim>
 PartTest LeaveOneOut<Dim>::prediction(std::size_t factor) const {
   const auto [r, W, J] = dense_factor(system_, factor);
-  Eigen::MatrixXd I_WC = W * predicted_covariance<Dim>(J, factor, equations_, marginals_);
+  auto [C, rounding] = predicted_covariance<Dim>(J, factor, equations_, marginals_);
+  C.diagonal() += rounding;
+  Eigen::MatrixXd I_WC = W * C;
   I_WC.diagonal().array() += 1.0;
   const Eigen::VectorXd at_optimum = r - times<Dim>(J, step_, factor, equations_);
   const Eigen::VectorXd Wr = W * at_optimum;

@@ -42,10 +42,13 @@ class LeaveOneOut {
   /// outlive this.
   LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEquations& equations, const Marginals& marginals);
 
+  /// True if rounding hides directions of a factor of which others confirm a millionth or more: its poses are far from the
+  /// gauge, or their covariances large beside its own.
+  bool is_rounded(std::size_t factor) const;
   /// Solves for those of some factors that others hardly confirm in some direction, which covariances do not show: a sharp
-  /// closure of a long loop. It is then tested down to a hundred-millionth of its information, in place of a millionth. Factors
-  /// that alone tie a part of the variables to the rest are passed over, as nothing predicts them. Makes a solution for each
-  /// row of such a factor; none once a stop is requested.
+  /// closure of a long loop. It is then tested down to a hundred-millionth of its information, in place of a millionth, or of
+  /// what rounding hides (is_rounded()). Factors that alone tie a part of the variables to the rest are passed over, as nothing
+  /// predicts them. Makes a solution for each row of such a factor; none once a stop is requested.
   void solve_for_weak(std::span<const std::size_t> factors, const std::stop_token& stop = {});
 
   /// The chi2 at the optimum of the linearised problem, which the estimate may miss by a little.

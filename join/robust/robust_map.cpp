@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/robust/robust_map.hpp>
+#include <mapjoin/join/robust/weak_information.hpp>
 #include <mapjoin/join/run.hpp>
 #include <utility>
 
@@ -96,9 +97,11 @@ template <int Dim>
 Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop) {
   const auto odometry = static_cast<std::ptrdiff_t>(log.odometry().size());
   auto& edges = log.graph.pose_factors;
-  std::for_each(edges.begin(), edges.begin() + odometry, complete_weakly<Dim>);
-  std::for_each(edges.begin() + odometry, edges.end(), [](PoseFactor<Dim>& edge) {
-    if (measures_rotation(edge) && measures_position(edge)) complete_weakly(edge);  // otherwise the rest stays unmeasured
+  const PoseVector<Dim> weak = weak_information(log);
+  std::for_each(edges.begin(), edges.begin() + odometry, [&](PoseFactor<Dim>& edge) { complete_weakly(edge, weak); });
+  std::for_each(edges.begin() + odometry, edges.end(), [&](PoseFactor<Dim>& edge) {
+    const bool is_partial = measures_rotation(edge) && measures_position(edge);
+    if (is_partial) complete_weakly(edge, weak);  // otherwise the rest stays unmeasured
   });
   RunOptions options = without_verdict();
   options.schedule = Schedule::kAligned;

@@ -4,9 +4,8 @@
 #include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
+#include <mapjoin/join/robust/weak_information.hpp>
 #include <mapjoin/localmap/split.hpp>
-#include <mapjoin/measure/statistics.hpp>
-#include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <utility>
@@ -23,35 +22,13 @@ constexpr int kStepsARound = 2;
 constexpr double kEndShare = 0.6;
 /// The relative decrease of chi2 at which an estimate is settled.
 constexpr double kSettled = 1e-6;
-/// The information of weak priors on what may be undetermined, as a share of the information measured there.
-constexpr double kWeakShare = 1e-9;
 /// Only observations with at least this share of the largest chi2 are dropped at once: an outlier pulls its feature away from
 /// the inliers, which then seem wrong, too.
 constexpr double kDroppedShare = 0.5;
 /// The loss of a factor that does not count.
 constexpr Loss kDropped{0.0, 0.0};
 
-/// The median information of the edges that measure a row, row by row.
-template <int Dim>
-PoseVector<Dim> median_information(std::span<const PoseFactor<Dim>> edges) {
-  PoseVector<Dim> medians;
-  for (int row = 0; row < kPoseDof<Dim>; ++row) {
-    std::vector<double> measured;
-    for (const PoseFactor<Dim>& edge : edges) {
-      if (edge.information(row, row) > 0.0) measured.push_back(edge.information(row, row));
-    }
-    medians[row] = measured.empty() ? 0.0 : median(std::move(measured));
-  }
-  return medians;
-}
-
 }  // namespace
-
-template <int Dim>
-void complete_weakly(PoseFactor<Dim>& edge) {
-  PoseMatrix<Dim>& W = edge.information;
-  if (information_rank(W) < kPoseDof<Dim>) W.diagonal().array() += kWeakShare * W.diagonal().maxCoeff();
-}
 
 template <int Dim>
 TruncatedJoin<Dim>::TruncatedJoin(Log<Dim> log, const Values<Dim>& start, const std::vector<bool>& observations_count,
@@ -89,11 +66,12 @@ void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
   const bool is_held = log_.is_held();
   if (!is_held) log_.graph.fixed.push_back({0, start.poses.front()});
   const auto odometry = static_cast<std::ptrdiff_t>(log_.odometry().size());
-  std::for_each(log_.graph.pose_factors.begin(), log_.graph.pose_factors.begin() + odometry, complete_weakly<Dim>);
-  const PoseMatrix<Dim> of_edges = kWeakShare * median_information<Dim>(log_.edges()).asDiagonal().toDenseMatrix();
+  const PoseVector<Dim> weak = weak_information(log_);
+  std::for_each(log_.graph.pose_factors.begin(), log_.graph.pose_factors.begin() + odometry,
+                [&](PoseFactor<Dim>& edge) { complete_weakly(edge, weak); });
   for (const Session& session : log_.sessions) {
     if (session.begin == 0 && !is_held) continue;
-    log_.graph.pose_factors.push_back({kWorld, session.begin, start.poses[session.begin], of_edges, {}});
+    log_.graph.pose_factors.push_back({kWorld, session.begin, start.poses[session.begin], weak.asDiagonal(), {}});
   }
   Table<FeatureIndex, PointMatrix<Dim>> information(log_.features.size(), PointMatrix<Dim>::Zero());
   for (const auto& o : log_.observations()) {
@@ -261,8 +239,6 @@ std::vector<bool> TruncatedJoin<Dim>::observations_count() const {
   return {counts_.begin() + static_cast<std::ptrdiff_t>(closure_count()), counts_.end()};
 }
 
-template void complete_weakly(PoseFactor<2>&);
-template void complete_weakly(PoseFactor<3>&);
 template class TruncatedJoin<2>;
 template class TruncatedJoin<3>;
 

@@ -20,11 +20,6 @@ struct OfKinds {
   double observations = 0.0;
 };
 
-/// Adds 1e-9 of its largest information in every direction to an edge that measures only part of a relative pose, in case
-/// nothing else that counts measures the rest.
-template <int Dim>
-void complete_weakly(PoseFactor<Dim>& edge);
-
 /// A log whose closures and observations are doubtful, its estimate, and which of them count. Its doubtful factors are the
 /// closures, then the observations, in the order of the log.
 template <int Dim>

@@ -54,17 +54,6 @@ std::size_t match(const Table<Index, Id>& ids_a, const Table<Index, Value>& a, c
   return unmatched;
 }
 
-/// The rotation R that maximises tr(Rᵀ C).
-Rotation<2> nearest_rotation(const PointMatrix<2>& C) {
-  return Rotation<2>(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)));
-}
-Rotation<3> nearest_rotation(const PointMatrix<3>& C) {
-  const Eigen::JacobiSVD<PointMatrix<3>> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // No reflection: the direction of the least singular value is reversed if necessary.
-  const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
-  return Rotation<3>(Matrix<3>(svd.matrixU() * Point<3>(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose()));
-}
-
 /// The path length from the first pose to each.
 template <int Dim>
 std::vector<double> travelled(const std::vector<Pose<Dim>>& poses) {
@@ -92,6 +81,16 @@ PosePairs nearest_by_path(const std::vector<double>& way, double metres) {
 }
 
 }  // namespace
+
+Rotation<2> nearest_rotation(const PointMatrix<2>& C) {
+  return Rotation<2>(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)));
+}
+Rotation<3> nearest_rotation(const PointMatrix<3>& C) {
+  const Eigen::JacobiSVD<PointMatrix<3>> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  // No reflection: the direction of the least singular value is reversed if necessary.
+  const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
+  return Rotation<3>(Matrix<3>(svd.matrixU() * Point<3>(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose()));
+}
 
 ErrorSummary summary_of(const std::vector<double>& errors) {
   if (errors.empty()) return {};

@@ -29,6 +29,10 @@ struct PoseErrorSummary {
   ErrorSummary rotation;
 };
 
+/// The rotation R that maximises tr(Rᵀ C).
+Rotation<2> nearest_rotation(const PointMatrix<2>& C);
+Rotation<3> nearest_rotation(const PointMatrix<3>& C);
+
 /// The rigid motion, without scale, that takes the points `from` to the points `to` of the same indices, in least squares
 /// (Umeyama, PAMI 1991). Throws std::invalid_argument if there are none or their numbers differ.
 template <int Dim>

@@ -5,10 +5,12 @@
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/log_builder.hpp>
+#include <numbers>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
 #include <tests/support/temporary_folder.hpp>
+#include <utility>
 
 namespace mapjoin::testing {
 namespace {
@@ -67,6 +69,27 @@ TYPED_TEST(Priors, OfAFileLeadToTheOptimum) {
 
 TYPED_TEST(Priors, TieSessionsThatShareNothing) {
   this->expect_the_optimum(this->log_from_file(small_world<TypeParam::value>({.features = 0, .sessions = 2})));
+}
+
+/// A straight drive in space that leads back along x, held by positions on a line and by an inclinometer: the start ahead of
+/// all is a saddle, from which no step turns the map.
+TEST(PriorsOnALine, LeadToTheOptimumOfADriveThatHeadsBack) {
+  LogBuilder<3> builder("drive back");
+  const PoseMatrix<3> of_odometry = 400.0 * PoseMatrix<3>::Identity();
+  PoseMatrix<3> of_position = PoseMatrix<3>::Zero();
+  of_position.topLeftCorner<3, 3>() = 4.0 * PointMatrix<3>::Identity();
+  PoseMatrix<3> of_inclination = PoseMatrix<3>::Zero();
+  of_inclination.diagonal()[3] = of_inclination.diagonal()[4] = 1e4;
+  const Rotation<3> back = Rotation<3>::exp({0.0, 0.0, std::numbers::pi});
+  for (std::uint64_t k = 0; k < 50; ++k) {
+    builder.add_pose_edge({0, k}, {0, k + 1}, {{1.0, 0.0, 0.0}, {}}, of_odometry);
+    if (k % 5 == 0) builder.add_pose_prior({0, k}, {{1000.0 - static_cast<double>(k), 1000.0, 0.0}, {}}, of_position);
+  }
+  builder.add_pose_prior({0, 0}, {Point<3>::Zero(), back}, of_inclination);
+  const auto joined = run(std::move(builder).finish().value(), {}).value();
+  EXPECT_TRUE(joined.converged());
+  EXPECT_LT(joined.chi2, 1e-9);
+  EXPECT_LT(local(joined.map.poses.front(), Pose<3>{{1000.0, 1000.0, 0.0}, back}).norm(), 1e-6);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/align/shared_factors.hpp>
 #include <mapjoin/join/relative_join.hpp>
+#include <numbers>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 #include <vector>
@@ -102,6 +103,46 @@ TYPED_TEST(AlignmentTest, TakesASpreadBeyondRoundingForARotation) {
     EXPECT_EQ(rigid_alignment<kDim>(close, close).has_value(), spread == 1e-4);
     EXPECT_EQ(rigid_alignment<kDim>(nearly_on_a_line, nearly_on_a_line).has_value(), kDim == 2 || spread == 1e-4);
   }
+}
+
+TYPED_TEST(AlignmentTest, TakesASpreadForARotationHoweverFarFromTheOrigin) {
+  constexpr int kDim = TestFixture::kDim;
+  for (const double spread : {1e-1, 1e-6}) {
+    auto far = this->scattered(12);
+    for (auto& point : far) point = spread * point + Point<kDim>::Constant(5e6);
+    EXPECT_EQ(rigid_alignment<kDim>(far, far).has_value(), spread == 1e-1);
+  }
+}
+
+/// A line that turns by 30 degrees, and one that leads back, as a robot does that stays upright; the other points lie about it.
+TEST(LeastTurningAlignment, AlignsALineInSpace) {
+  for (const double angle : {0.5, std::numbers::pi}) {
+    const Pose<3> motion{{100.0, -20.0, 3.0}, Rotation<3>::exp({0.0, 0.0, angle})};
+    std::vector<Point<3>> line, there, about_it;
+    for (const double metres : {0.0, 10.0, 40.0, 50.0}) {
+      line.push_back({metres, 2.0 * metres, 0.0});
+      there.push_back(transform(motion, line.back()));
+      const double aside = metres == 0.0 || metres == 50.0 ? 0.1 : -0.1;  // on average on the line, and as far along it
+      about_it.push_back(there.back() + Point<3>(0.0, 0.0, aside));
+    }
+    EXPECT_FALSE(rigid_alignment<3>(line, there));
+    for (const auto& to : {there, about_it}) {
+      const auto aligned = least_turning_alignment<3>(line, to);
+      ASSERT_TRUE(aligned);
+      EXPECT_LT(local(*aligned, motion).norm(), 1e-4);
+    }
+    const auto back = least_turning_alignment<3>(about_it, line);
+    ASSERT_TRUE(back);
+    EXPECT_LT(local(compose(*back, motion), Pose<3>{}).norm(), 1e-4);
+  }
+  EXPECT_FALSE(least_turning_alignment<3>({}, {}));
+  EXPECT_FALSE(least_turning_alignment<3>({{1.0, 1.0, 1.0}}, {{2.0, 2.0, 2.0}}));
+}
+
+TYPED_TEST(AlignmentTest, TurnsLeastWherePointsTellAllAsTheyTell) {
+  const auto points = this->scattered(12);
+  const auto there = this->moved(points, 0.1);
+  EXPECT_EQ(local(*least_turning_alignment(points, there), *rigid_alignment(points, there)).norm(), 0.0);
 }
 
 TYPED_TEST(AlignmentTest, TriesTheFirstTheMiddleAndTheLastOfSharedPoses) {

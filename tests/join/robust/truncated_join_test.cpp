@@ -35,17 +35,6 @@ class TruncatedJoinTest : public testing::TruncatedJoinFixture<D> {
 };
 TYPED_TEST_SUITE(TruncatedJoinTest, testing::Dimensions);
 
-TEST(CompleteWeakly, GivesInformationOnlyToEdgesThatLackSome) {
-  const PoseMatrix<2> whole = PoseVector<2>(4.0, 2.0, 1.0).asDiagonal();
-  const PoseMatrix<2> position = PoseVector<2>(4.0, 2.0, 0.0).asDiagonal();
-  PoseFactor<2> edge{0, 1, {}, whole};
-  complete_weakly(edge);
-  EXPECT_EQ(edge.information, whole);
-  edge.information = position;
-  complete_weakly(edge);
-  EXPECT_LT((edge.information - position - 4e-9 * PoseMatrix<2>::Identity()).norm(), 1e-15);
-}
-
 TYPED_TEST(TruncatedJoinTest, CountsOutWhatDoesNotFitAndKeepsTheOthers) {
   for (const double metres : {0.2, 5.0}) {
     auto world = this->world();
