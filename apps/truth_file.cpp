@@ -121,6 +121,15 @@ bool is_trajectory_file(const std::filesystem::path& path) {
   return is_tum_line(text) || is_kitti_line(text);
 }
 
+/// True if every line begins with a whole number without a point, as counts do: write_tum() writes times with one.
+bool begins_with_counts(TextScanner text) {
+  const auto is_digit = [](char c) { return '0' <= c && c <= '9'; };
+  while (text.next_line()) {
+    if (!std::ranges::all_of(text.word(), is_digit)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -152,6 +161,7 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart)
   const TextScanner text(path_, bytes.view());
   if (extension_of(path) == ".tum" || is_tum_line(text)) {
     has_times_ = !counts_poses(text);
+    may_count_ = begins_with_counts(text);
     content_ = read_tum(text).value();
     return;
   }
@@ -173,12 +183,11 @@ bool TruthFile::has_features() const {
 }
 
 void TruthFile::demand_counts() const {
-  const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_);
-  const auto is_count = [](const StampedPose& line) { return line.time == std::floor(line.time); };
-  if (!trajectory || std::ranges::all_of(*trajectory, is_count)) return;
-  fail(ErrorKind::kUsage, path_ +
-                              ": has times, and the poses of the map have none; `mapjoin run LOG --stamps FILE` gives "
-                              "them, and its folder keeps them");
+  if (may_count_) return;
+  fail(ErrorKind::kUsage,
+       fmt::format("{}: has times, and the poses of the map have none; {}", path_,
+                   is_map_trajectory_ ? "a TUM file or a table with times has them"
+                                      : "`mapjoin run LOG --stamps FILE` gives them, and its folder keeps them"));
 }
 
 template <typename Found>

@@ -128,6 +128,10 @@ TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   EXPECT_THAT(no_times.err,
               HasSubstr("timed.tum: has times, and the poses of the map have none; `mapjoin run LOG --stamps FILE` gives "
                         "them, and its folder keeps them\n"));
+  const std::string whole = folder.file("whole.tum", "0.000 0 0 0 0 0 0 1\n1.000 1 0 0 0 0 0 1\n").string();
+  EXPECT_THAT(call({"error", map, whole}).err, HasSubstr("whole.tum: has times")) << "of whole seconds, not counts";
+  const std::string kitti = folder.file("c.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n").string();
+  EXPECT_THAT(call({"error", kitti, timed}).err, HasSubstr("have none; a TUM file or a table with times has them\n"));
   const std::string out = (folder.path() / "out").string();
   EXPECT_THAT(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", out, "--truth", timed}).err,
               HasSubstr("timed.tum: has times"));
