@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/report/errors.hpp>
@@ -37,22 +38,37 @@ GlobalMap<Dim> map_of(Log<Dim> log) {
   return map;
 }
 
+/// True if the truth has poses of these names in session 0.
+template <int Dim>
+bool knows_in_first_session(const TruthFile& truth, const Log<Dim>& log) {
+  PoseIds names = log.poses;
+  for (PoseId& name : names) name.session = 0;
+  const auto poses = truth.of<Dim>(names, {}, log.stamps_ns).poses;
+  return std::ranges::any_of(poses, [](const auto& pose) { return pose.has_value(); });
+}
+
+/// Why nothing can be measured: the truth has no pose of the map.
+std::string why_nothing(const AnyLog& map, const TruthFile& truth) {
+  if (std::visit([&](const auto& log) { return knows_in_first_session(truth, log); }, map)) {
+    return "has the poses of the map in another session; its column session says of which session each pose is";
+  }
+  if (std::visit([](const auto& log) { return !log.stamps_ns.empty(); }, map)) {
+    return "has no pose of the map, neither by name nor by time; --max-time-difference widens the match of times";
+  }
+  return "has no pose of the map, neither by name nor by count; where it has times, the map needs them, too (`mapjoin run "
+         "--stamps`)";
+}
+
 ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop) {
   CommandRun command_run("error", options, stop);
   command_run.prepare(report_of(options));
   TruthFile truth(options.true_map, options.most_apart);
   truth.take_map(options.input);
-  const auto measure = [&](auto&& log) { command_run.measure(map_of(std::move(log)), truth, options.errors); };
-  std::visit(measure, command_run.read_log());
+  const AnyLog map = command_run.read_log();
+  std::visit([&](const auto& log) { command_run.measure(map_of(log), truth, options.errors); }, map);
   const TruthErrors& errors = *command_run.run_report.errors;
   if (errors.absolute.poses.translation.count == 0) {
-    const bool has_stamps = command_run.run_report.has_stamps;
-    fail(ErrorKind::kUsage,
-         options.true_map.string() +
-             (has_stamps
-                  ? ": has no pose of the map, neither by name nor by time; --max-time-difference widens the match of times"
-                  : ": has no pose of the map, neither by name nor by count; where it has times, the map needs them, too "
-                    "(`mapjoin run --stamps`)"));
+    fail(ErrorKind::kUsage, options.true_map.string() + ": " + why_nothing(map, truth));
   }
   Json json = report_head(command_run.run_report);
   json["truth"] = options.true_map.string();

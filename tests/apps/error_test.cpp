@@ -155,6 +155,28 @@ TEST_F(ErrorCommand, RefusesTheTrajectoryOfOneOfSessionsThatAreUnderWayAtOnce) {
   EXPECT_EQ(errors({"error", of_second("in_turn.csv", 12), tum})["ate"]["translation"]["count"], 5);
 }
 
+TEST_F(ErrorCommand, RefusesATrajectoryThatIsInTwoPlacesAtOnce) {
+  const std::string one = folder.file("one.tum", "10.5 0 0 0 0 0 0 1\n11.5 1 0 0 0 0 0 1\n").string();
+  const std::string two =
+      folder.file("two.tum", "10.5 0 0 0 0 0 0 1\n11.5 1 0 0 0 0 0 1\n10.5 5 0 0 0 0 0 1\n11.5 6 0 0 0 0 0 1\n").string();
+  for (const std::string& truth : {one, folder.file("t.csv", "pose,x,y,phi,stamp_ns\n0,0,0,0,10500000000\n").string()}) {
+    expect_failure(call({"error", two, truth}), 2, "the trajectory of the map has two poses at 10.500 s, and does not say");
+  }
+  EXPECT_EQ(errors({"error", one, one})["ate"]["translation"]["count"], 2);
+}
+
+TEST_F(ErrorCommand, SaysWherePosesOfTheTruthAreOfAnotherSession) {
+  const std::string second = folder.file("second.csv", "session,pose,x,y,phi\n1,4,0,0,0\n1,5,1,0,0\n").string();
+  expect_failure(
+      call({"error", second, truth}), 2,
+      "truth.g2o: has the poses of the map in another session; its column session says of which session each pose is");
+}
+
+TEST_F(ErrorCommand, SaysWhatMakesATruthOfAGraphWithoutValues) {
+  expect_failure(call({"error", map, folder.file("log.g2o", kSmallLog).string()}), 3,
+                 "the values of its poses; `mapjoin run TRUTH -o FOLDER` makes a map of it, which does");
+}
+
 TEST_F(ErrorCommand, SaysWhereTheAlignmentLeavesARotationFree) {
   const std::string line =
       "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0 0 0 0 1\nVERTEX_SE3:QUAT 2 2 0 0 0 0 0 1\n";
