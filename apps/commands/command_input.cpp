@@ -126,10 +126,13 @@ std::vector<std::filesystem::path> CommandRun::inputs() const {
 
 AnyLog CommandRun::largest(const AnyLog& any) {
   const auto take = [](const auto& log) -> AnyLog {
-    auto part = split_into_parts(log).front();
-    const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());
-    if (left > 0) part.skipped["poses of other parts"] = left;
-    return part;
+    auto parts = split_into_parts(log);
+    auto largest = std::move(parts.front());
+    for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
+      largest.skipped["poses of other parts"] += std::ssize(part->poses);
+      if (!part->features.empty()) largest.skipped["features of other parts"] += std::ssize(part->features);
+    }
+    return largest;
   };
   return std::visit(take, any);
 }
