@@ -47,7 +47,7 @@ std::set<std::string> options_in(const std::string& sentence) {
 }
 
 /// The sentence, followed by the commands that have the options which it offers and the chosen command lacks; after a run with
-/// them its folder can be given in the place of the log. Unchanged if it names a command.
+/// them its folder, or one of each part in it, can be given in the place of the log. Unchanged if it names a command.
 std::string with_owners(std::string sentence, const Subcommand& chosen, const CommandLine& line) {
   if (sentence.find("`mapjoin ") != sentence.npos) return sentence;
   std::map<std::string, std::vector<std::string>> lacking;  // by the command that has them
@@ -57,7 +57,9 @@ std::string with_owners(std::string sentence, const Subcommand& chosen, const Co
     if (!chosen.has(option) && owner != line.commands.end()) lacking[(*owner)->name()].push_back(option);
   }
   for (const auto& [owner, options] : lacking) {
-    const char* const then = owner == "run" ? " -o DIR`, and DIR can be given here" : "`";
+    const bool is_of_parts = std::ranges::find(options, "--parts") != options.end();
+    const char* const folder = is_of_parts ? "DIR, or with all DIR/part_1, …," : "DIR";
+    const std::string then = owner == "run" ? fmt::format(" -o DIR`, and {} can be given here", folder) : "`";
     sentence += fmt::format("; {} {} with `{} {}{}", fmt::join(options, " and "), options.size() == 1 ? "goes" : "go",
                             line.app->get_name(), owner, then);
   }

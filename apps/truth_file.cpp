@@ -89,7 +89,10 @@ std::vector<StampedPose> counted(const AnyLog& log) {
 /// The log; fails if it does not give the values of its poses.
 AnyLog with_values(AnyLog log, const std::string& path) {
   const bool has_values = std::visit([](const auto& any) { return !any.initial.poses.empty(); }, log);
-  if (!has_values) fail(ErrorKind::kBadInput, path + ": as a truth it would have to give the values of its poses");
+  if (!has_values)
+    fail(ErrorKind::kBadInput, path +
+                                   ": as a truth it would have to give the values of its poses; `mapjoin run TRUTH -o FOLDER` "
+                                   "makes a map of it, which does");
   return log;
 }
 
@@ -129,6 +132,26 @@ bool is_trajectory_file(const std::filesystem::path& path) {
   return is_tum_line(text) || is_kitti_line(text);
 }
 
+/// True if every line begins with a whole number without a point, as counts do: write_tum() writes times with one.
+bool begins_with_counts(TextScanner text) {
+  const auto is_digit = [](char c) { return '0' <= c && c <= '9'; };
+  while (text.next_line()) {
+    if (!std::ranges::all_of(text.word(), is_digit)) return false;
+  }
+  return true;
+}
+
+/// Fails where two poses of the map's trajectory are of one time: they are of different sessions.
+void demand_one_session(const std::string& truth, const Table<PoseIndex, std::int64_t>& stamps_ns) {
+  std::vector<std::int64_t> times(stamps_ns.begin(), stamps_ns.end());
+  std::ranges::sort(times);
+  const auto twice = std::ranges::adjacent_find(times);
+  if (twice == times.end()) return;
+  fail(ErrorKind::kUsage, fmt::format("{}: the trajectory of the map has two poses at {:.3f} s, and does not say of which "
+                                      "session each is; the folder of the run, in place of its trajectory, does",
+                                      truth, in_seconds(*twice)));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -161,6 +184,7 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart, const
   const TextScanner text(path_, bytes.view());
   if (extension_of(path) == ".tum" || is_tum_line(text)) {
     has_times_ = !counts_poses(text);
+    may_count_ = begins_with_counts(text);
     content_ = read_tum(text).value();
     return;
   }
@@ -187,12 +211,11 @@ bool TruthFile::has_features() const {
 }
 
 void TruthFile::demand_counts() const {
-  const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_);
-  const auto is_count = [](const StampedPose& line) { return line.time == std::floor(line.time); };
-  if (!trajectory || std::ranges::all_of(*trajectory, is_count)) return;
-  fail(ErrorKind::kUsage, path_ +
-                              ": has times, and the poses of the map have none; `mapjoin run LOG --stamps FILE` gives "
-                              "them, and its folder keeps them");
+  if (may_count_) return;
+  fail(ErrorKind::kUsage,
+       fmt::format("{}: has times, and the poses of the map have none; {}", path_,
+                   is_map_trajectory_ ? "a TUM file or a table with times has them"
+                                      : "`mapjoin run LOG --stamps FILE` gives them, and its folder keeps them"));
 }
 
 template <typename Found>
@@ -228,6 +251,7 @@ template <int Dim>
 Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
+  if (is_map_trajectory_) demand_one_session(path_, stamps_ns);
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
     if (has_times_ && !stamps_ns.empty()) {
       return {told(by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_), kSessionsByTable), no_features};

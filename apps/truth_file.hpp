@@ -51,7 +51,7 @@ class TruthFile {
   explicit TruthFile(const std::filesystem::path& path, double most_apart = kSameTime, const ReadOptions& read = {});
 
   /// Counts the poses of a trajectory without times among those of a whole log from now on, even for the map of a part. kUsage
-  /// if the log has no time stamps and the trajectory has times with fractions of seconds.
+  /// if the log has no time stamps and the trajectory has times: a line that begins with more than a whole number.
   template <int Dim>
   void count_among(const Log<Dim>& whole) {
     if (whole.stamps_ns.empty()) demand_counts();
@@ -101,6 +101,7 @@ class TruthFile {
   bool has_times_ = false;          ///< True for a trajectory whose lines begin with more than a count.
   bool is_map_trajectory_ = false;  ///< Set by take_map().
   bool takes_features_ = true;      ///< False if names of features are those of `--associate`.
+  bool may_count_ = true;           ///< False for a trajectory with a line that begins with no count.
   PoseIds counted_;                 ///< Set by count_among().
 };
 

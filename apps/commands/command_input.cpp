@@ -87,6 +87,15 @@ Truth<Dim> truth_of(const TruthFile& file, const SubmapSet<Dim>& set) {
   return file.of<Dim>(set.poses, set.features, {});
 }
 
+/// Warns of ids that were taken for times where these are too near to each other for a drive.
+template <int Dim>
+void say_if_short(const Log<Dim>& log) {
+  constexpr std::int64_t kShortestDrive = 1'000'000;  // (ns)
+  const auto [first, last] = std::ranges::minmax(log.stamps_ns);
+  if (log.poses.size() < 2 || last - first >= kShortestDrive) return;
+  say(log.source + ": with --ids-are-nanoseconds all of it takes less than a millisecond; leave that out unless ids are times");
+}
+
 template <typename Data>
 bool knows(const TruthFile& file, const Data& data) {
   const auto truth = truth_of(file, data);
@@ -126,10 +135,13 @@ std::vector<std::filesystem::path> CommandRun::inputs() const {
 
 AnyLog CommandRun::largest(const AnyLog& any) {
   const auto take = [](const auto& log) -> AnyLog {
-    auto part = split_into_parts(log).front();
-    const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());
-    if (left > 0) part.skipped["poses of other parts"] = left;
-    return part;
+    auto parts = split_into_parts(log);
+    auto largest = std::move(parts.front());
+    for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
+      largest.skipped["poses of other parts"] += std::ssize(part->poses);
+      if (!part->features.empty()) largest.skipped["features of other parts"] += std::ssize(part->features);
+    }
+    return largest;
   };
   return std::visit(take, any);
 }
@@ -158,7 +170,7 @@ void CommandRun::settle_truth(const Data& data) {
 
 Expected<AnyLog> CommandRun::stamped(AnyLog any) const {
   const auto stamp = [&](auto& log) -> Expected<void> {
-    if (options_.ids_are_nanoseconds) return take_ids_as_stamps(log);
+    if (options_.ids_are_nanoseconds) return take_ids_as_stamps(log).map([&] { say_if_short(log); });
     return options_.stamps.empty() ? Expected<void>() : read_stamps(options_.stamps, log);
   };
   return std::visit(stamp, any).map([&] { return std::move(any); });

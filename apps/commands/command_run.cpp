@@ -42,6 +42,26 @@ std::string why_not_trusted(const RunReport& run_report) {
   return run_report.files.empty() ? why : why + "; the map is written all the same";
 }
 
+/// Says of --covariances and --relations which files they do not write where there is no output.
+void say_unwritten(const Options& options) {
+  std::vector<std::string> names;
+  for (const ExtraFile& file : extra_files(options)) {
+    if (file.extra == Extra::kCovariances || file.extra == Extra::kRelations) names.emplace_back(file.in_folder);
+  }
+  if (!names.empty()) say(fmt::format("without --output no file is written: not {}", fmt::join(names, " and ")));
+}
+
+/// Says where a trajectory of one file mixes several sessions.
+template <int Dim>
+void say_sessions(const GlobalMap<Dim>& map, const std::filesystem::path& output) {
+  const auto is_of_another = [&](const PoseId& id) { return id.session != map.pose_ids.front().session; };
+  if (extension_of(output) != ".tum" || std::ranges::none_of(map.pose_ids, is_of_another)) return;
+  say(fmt::format(
+      "{}: has the poses of several sessions one after the other, and does not say of which each is; a folder (-o DIR) "
+      "has a trajectory of each, too",
+      output.string()));
+}
+
 /// The log that was joined; if fixes with levers hold it, with the values of the map, at which levers are taken off.
 template <int Dim>
 Log<Dim> with_values_for_levers(Log<Dim> log, const GlobalMap<Dim>& map) {
@@ -125,7 +145,10 @@ void CommandRun::check_names(const PoseIds& poses, const FeatureIds& features) c
 template <int Dim>
 void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   take(result);
-  if (options_.output.empty()) return;
+  if (options_.output.empty()) {
+    progress_.close();
+    return say_unwritten(options_);
+  }
   const Stopwatch watch(run_report.write_seconds);
   demand(write_map_file(result.map, log, options_.output));
   if (is_written_as_g2o(options_.output)) {
@@ -138,6 +161,7 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
     run_report.files.push_back(file.string());
   }
   say_what_is_left();
+  say_sessions(result.map, options_.output);
 }
 
 void CommandRun::say_what_is_left() {

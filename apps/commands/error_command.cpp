@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/report/errors.hpp>
@@ -13,6 +14,8 @@
 
 namespace mapjoin::apps {
 namespace {
+
+using AnyMap = std::variant<GlobalMap<2>, GlobalMap<3>>;
 
 struct ErrorCommandOptions : Options {
   std::filesystem::path true_map;
@@ -52,26 +55,46 @@ GlobalMap<3> lifted(const GlobalMap<3>& map) {
   return map;
 }
 
+/// The map that a log gives, in space if the truth is.
+AnyMap map_of(AnyLog log, const TruthFile& truth) {
+  const auto as_truth_has_it = [&](auto& any) -> AnyMap {
+    auto map = map_of(std::move(any));
+    return truth.is_in_space() ? AnyMap(lifted(map)) : AnyMap(std::move(map));
+  };
+  return std::visit(as_truth_has_it, log);
+}
+
+/// True if the truth has poses of these names in session 0.
+template <int Dim>
+bool knows_in_first_session(const TruthFile& truth, const GlobalMap<Dim>& map) {
+  PoseIds names = map.pose_ids;
+  for (PoseId& name : names) name.session = 0;
+  const auto poses = truth.of<Dim>(names, {}, map.stamps_ns).poses;
+  return std::ranges::any_of(poses, [](const auto& pose) { return pose.has_value(); });
+}
+
+/// Why nothing can be measured: the truth has no pose of the map.
+std::string why_nothing(const AnyMap& map, const TruthFile& truth) {
+  if (std::visit([&](const auto& any) { return knows_in_first_session(truth, any); }, map)) {
+    return "has the poses of the map in another session; its column session says of which session each pose is";
+  }
+  if (std::visit([](const auto& any) { return !any.stamps_ns.empty(); }, map)) {
+    return "has no pose of the map, neither by name nor by time; --max-time-difference widens the match of times";
+  }
+  return "has no pose of the map, neither by name nor by count; where it has times, the map needs them, too (`mapjoin run "
+         "--stamps`)";
+}
+
 ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop) {
   CommandRun command_run("error", options, stop);
   command_run.prepare(report_of(options));
   TruthFile truth(options.true_map, options.most_apart, options.read);
   truth.take_map(options.input);
-  const auto measure = [&](auto&& log) {
-    const auto map = map_of(std::move(log));
-    truth.is_in_space() ? command_run.measure(lifted(map), truth, options.errors)
-                        : command_run.measure(map, truth, options.errors);
-  };
-  std::visit(measure, command_run.read_log());
+  const AnyMap map = map_of(command_run.read_log(), truth);
+  std::visit([&](const auto& any) { command_run.measure(any, truth, options.errors); }, map);
   const TruthErrors& errors = *command_run.run_report.errors;
   if (errors.absolute.poses.translation.count == 0) {
-    const bool has_stamps = command_run.run_report.has_stamps;
-    fail(ErrorKind::kUsage,
-         options.true_map.string() +
-             (has_stamps
-                  ? ": has no pose of the map, neither by name nor by time; --max-time-difference widens the match of times"
-                  : ": has no pose of the map, neither by name nor by count; where it has times, the map needs them, too "
-                    "(`mapjoin run --stamps`)"));
+    fail(ErrorKind::kUsage, options.true_map.string() + ": " + why_nothing(map, truth));
   }
   Json json = report_head(command_run.run_report);
   json["truth"] = options.true_map.string();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <apps/commands/options.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/open.hpp>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -90,7 +91,8 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
   command.check([&options]() -> std::vector<std::string> {
     if (!options.further.empty()) return {};
     std::vector<std::string> violations;
-    if (options.merging.own_features) violations.emplace_back("--features own is of several inputs");
+    const std::string of_store = may_hold_maps(options.input) ? "; inputs of one store take it from `mapjoin build`" : "";
+    if (options.merging.own_features) violations.emplace_back("--features own is of several inputs" + of_store);
     if (options.merging.keep_copies) violations.emplace_back("--keep-copies is of several inputs");
     return violations;
   });

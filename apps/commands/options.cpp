@@ -12,6 +12,8 @@ namespace mapjoin::apps {
 namespace {
 
 constexpr int kMostJobs = 1024;
+/// The word of --robust that doubts odometry, too.
+constexpr const char* kAll = "all";
 
 const std::vector<std::string> kRules = {"--poses-per-map", "--metres-per-map", "--features-per-map"};
 
@@ -190,12 +192,15 @@ void add_robust(Subcommand& command, Options& options) {
                "Find closures, observations and features of local maps that contradict the others, and leave them out: see "
                "rejected.csv; --robust=all doubts the odometry of a log, too",
                [&options](const std::string& word) -> std::optional<std::string> {
-                 if (!word.empty() && word != "all") return "but takes the word all, or none";
-                 options.robust.emplace().odometry = word == "all";
+                 if (!word.empty() && word != kAll) return "but takes the word all, or none";
+                 options.robust.emplace().odometry = word == kAll;
                  return std::nullopt;
                });
   command.check([&options]() -> std::vector<std::string> {
     if (!options.robust) return {};
+    std::error_code ignored;
+    const bool is_apart = options.input == kAll || std::ranges::find(options.further, kAll) != options.further.end();
+    if (is_apart && !std::filesystem::exists(kAll, ignored)) return {"--robust takes its word behind =: --robust=all"};
     options.robust->confidence = options.confidence;
     return options.robust->validate();
   });

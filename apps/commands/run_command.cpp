@@ -18,6 +18,7 @@
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/g2o/numbering.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/parallel/pieces.hpp>
 #include <memory>
@@ -100,6 +101,7 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
   if (!capped.empty()) say("map.svg: " + capped);
   for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
   demand(timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); }));
+  command_run.run_report.renamed = in_words(number_for_g2o(result.map.pose_ids, result.map.feature_ids).value());
   demand(write_file(folder.aside(kReportOfRun), report(command_run.run_report)));
   command_run.check_interrupted();
   const std::filesystem::path& output = command_run.options().output;

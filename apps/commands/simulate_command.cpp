@@ -34,6 +34,15 @@ NamedFiles outputs_of(const SimulateOptions& options) {
   return files;
 }
 
+/// A violation, in words: a log whose name is that of another format.
+std::vector<std::string> check_is_g2o(const std::filesystem::path& log) {
+  if (!goes_by_extension(log) || extension_of(log) == ".g2o") return {};
+  return {
+      fmt::format("--output: the log is written in g2o, and {} is no name of it: give it .g2o, and `mapjoin convert` "
+                  "writes it in other formats",
+                  log.string())};
+}
+
 /// True if there is a summary: with --quiet, and beside an output on standard output, there is none.
 bool has_summary(const SimulateOptions& options) {
   return !options.quiet && !is_stdout(options.log) && !is_stdout(options.truth);
@@ -124,6 +133,7 @@ void declare_simulate(Subcommand& command) {
   add_noise(command, world);
   command.check([options] { return options->manhattan.validate(); });
   command.only_with("--storeys", "--dim 3", [options] { return options->dimension == 3; });
+  command.check([options] { return check_is_g2o(options->log); });
   command.check([options] { return output_conflicts({}, outputs_of(*options)); });
   command.act([options](const std::stop_token& stop) {
     return options->dimension == 2 ? simulate_in<2>(*options, stop) : simulate_in<3>(*options, stop);

@@ -192,8 +192,10 @@ void add_notes(const RunReport& run_report, Lines& lines) {
                    plural(run_report.counts.unassociated, "observation was", "observations were")));
   note(!run_report.association && run_report.counts.shared_features > 0 && run_report.is_joined &&
            run_report.figures.fit.verdict == Verdict::kMisfit,
-       fmt::format("{} in several inputs and taken as the same: if they are not, --features own",
-                   plural(run_report.counts.shared_features, "feature has its id", "features have their ids")));
+       fmt::format("{} taken as the same: if they are not, --features own keeps them apart; inputs of one store take it from "
+                   "`mapjoin build`",
+                   plural(run_report.counts.shared_features, "feature has its id in several inputs and is",
+                          "features have their ids in several inputs and are")));
   note(!run_report.association_is_settled,
        "the association of features had not come to rest when its joins were used up: some may still be two that are one, or "
        "one that are two; `mapjoin run` without --associate goes by their ids");
@@ -205,8 +207,7 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   note(run_report.features_not_in_truth > 0, fmt::format("{} of {} not in the truth, by name", run_report.features_not_in_truth,
                                                          plural(run_report.counts.features, "feature is", "features are")));
   note(!run_report.renamed.empty(),
-       fmt::format("the map has one numbering, as g2o files do: {}; a table (.csv) keeps all names",
-                   fmt::join(run_report.renamed, ", ")));
+       fmt::format("a map in g2o has one numbering: {}; a table (.csv) keeps all names", fmt::join(run_report.renamed, ", ")));
   note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   note(!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory),

@@ -24,17 +24,23 @@ bool do_parts_have_features(const LogOrSet& tied, const std::vector<Edge>& ties)
   return std::ranges::any_of(indices(tied.features), is_elsewhere);
 }
 
+/// Bad input if nothing ties a feature; the remedy follows.
+Expected<void> check_observed(const Names& names, const Graph& graph, const char* remedy) {
+  const TieVertices of = vertices_of(names);
+  for (const FeatureIndex f : indices(names.features)) {
+    if (out_degree(static_cast<Vertex>(of.feature(f)), graph) > 0) continue;
+    return bad_input(fmt::format("{}: {} is never observed{}", names.source, to_string(names.features[f]), remedy));
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice) {
   constexpr std::ptrdiff_t kNamed = 3;
   if (names.poses.empty()) return bad_input_of(names.source, "there are no poses");
-  const TieVertices of = vertices_of(names);
-  const Graph graph = make_graph(of.size(), ties);
-  for (const FeatureIndex f : indices(names.features)) {
-    if (out_degree(static_cast<Vertex>(of.feature(f)), graph) > 0) continue;
-    return bad_input(fmt::format("{}: {} is never observed", names.source, to_string(names.features[f])));
-  }
+  const Graph graph = make_graph(vertices_of(names).size(), ties);
+  if (auto observed = check_observed(names, graph, ""); !observed) return observed;
   std::vector<std::string> roots;
   for (const std::size_t root : component_roots(graph)) roots.push_back(name_of(root, names));
   if (roots.size() <= 1) return {};
@@ -55,6 +61,11 @@ Expected<void> check_connected(const LogOrSet& tied) {
   const Names names{tied.source, tied.poses, tied.features};
   const std::vector<Edge> ties = ties_of(tied);
   if (check_tied(names, ties, "")) return {};
+  if constexpr (kIsLog) {
+    const Graph graph = make_graph(vertices_of(names).size(), ties);
+    auto observed = check_observed(names, graph, "; --parts largest leaves such features out");
+    if (!observed) return observed;
+  }
   const std::string associate = do_parts_have_features(tied, ties) ? "; --associate ties them by features that they share" : "";
   return check_tied(names, ties,
                     associate + (kIsLog ? "; --parts largest takes the largest, --parts all makes a map of each" : ""));
@@ -75,8 +86,12 @@ std::vector<Log<Dim>> split_into_parts(const Log<Dim>& log) {
     part.add_pose(log.poses[p], log.initial.poses.empty() ? std::nullopt : std::optional(log.initial.poses[p]));
     if (!log.stamps_ns.empty()) part.add_stamp(log.poses[p], log.stamps_ns[p]);
   }
+  std::int64_t unobserved = 0;
   for (const FeatureIndex f : indices(log.features)) {
-    if (!poses.contains(component[of.feature(f)])) continue;
+    if (!poses.contains(component[of.feature(f)])) {
+      ++unobserved;
+      continue;
+    }
     builder(of.feature(f))
         .add_feature(log.features[f], log.initial.features.empty() ? std::nullopt : std::optional(log.initial.features[f]));
   }
@@ -96,6 +111,7 @@ std::vector<Log<Dim>> split_into_parts(const Log<Dim>& log) {
   std::ranges::stable_sort(parts, std::greater(), [](const Log<Dim>& part) { return part.poses.size(); });
   if (parts.empty()) return parts;
   parts.front().skipped = log.skipped;
+  if (unobserved > 0) parts.front().skipped["features that no pose observes"] = unobserved;
   parts.front().unassociated = log.unassociated;
   return parts;
 }

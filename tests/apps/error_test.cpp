@@ -128,6 +128,10 @@ TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   EXPECT_THAT(no_times.err,
               HasSubstr("timed.tum: has times, and the poses of the map have none; `mapjoin run LOG --stamps FILE` gives "
                         "them, and its folder keeps them\n"));
+  const std::string whole = folder.file("whole.tum", "0.000 0 0 0 0 0 0 1\n1.000 1 0 0 0 0 0 1\n").string();
+  EXPECT_THAT(call({"error", map, whole}).err, HasSubstr("whole.tum: has times")) << "of whole seconds, not counts";
+  const std::string kitti = folder.file("c.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n").string();
+  EXPECT_THAT(call({"error", kitti, timed}).err, HasSubstr("have none; a TUM file or a table with times has them\n"));
   const std::string out = (folder.path() / "out").string();
   EXPECT_THAT(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", out, "--truth", timed}).err,
               HasSubstr("timed.tum: has times"));
@@ -149,6 +153,28 @@ TEST_F(ErrorCommand, RefusesTheTrajectoryOfOneOfSessionsThatAreUnderWayAtOnce) {
                  "table like poses.csv does");
   EXPECT_EQ(errors({"error", together, together})["ate"]["translation"]["count"], 6) << "by session and name";
   EXPECT_EQ(errors({"error", of_second("in_turn.csv", 12), tum})["ate"]["translation"]["count"], 5);
+}
+
+TEST_F(ErrorCommand, RefusesATrajectoryThatIsInTwoPlacesAtOnce) {
+  const std::string one = folder.file("one.tum", "10.5 0 0 0 0 0 0 1\n11.5 1 0 0 0 0 0 1\n").string();
+  const std::string two =
+      folder.file("two.tum", "10.5 0 0 0 0 0 0 1\n11.5 1 0 0 0 0 0 1\n10.5 5 0 0 0 0 0 1\n11.5 6 0 0 0 0 0 1\n").string();
+  for (const std::string& truth : {one, folder.file("t.csv", "pose,x,y,phi,stamp_ns\n0,0,0,0,10500000000\n").string()}) {
+    expect_failure(call({"error", two, truth}), 2, "the trajectory of the map has two poses at 10.500 s, and does not say");
+  }
+  EXPECT_EQ(errors({"error", one, one})["ate"]["translation"]["count"], 2);
+}
+
+TEST_F(ErrorCommand, SaysWherePosesOfTheTruthAreOfAnotherSession) {
+  const std::string second = folder.file("second.csv", "session,pose,x,y,phi\n1,4,0,0,0\n1,5,1,0,0\n").string();
+  expect_failure(
+      call({"error", second, truth}), 2,
+      "truth.g2o: has the poses of the map in another session; its column session says of which session each pose is");
+}
+
+TEST_F(ErrorCommand, SaysWhatMakesATruthOfAGraphWithoutValues) {
+  expect_failure(call({"error", map, folder.file("log.g2o", kSmallLog).string()}), 3,
+                 "the values of its poses; `mapjoin run TRUTH -o FOLDER` makes a map of it, which does");
 }
 
 TEST_F(ErrorCommand, SaysWhereTheAlignmentLeavesARotationFree) {

@@ -200,13 +200,21 @@ TEST(Usage, ADashIsStandardOutputOrRefused) {
   expect_failure(call({"compare", "log", "-o", "-"}), 2, "--output: is -, which stands for no stream here: name a folder");
 }
 
+TEST(Errors, AWordOfRobustThatStandsApartIsOfferedBehindTheEqualsSign) {
+  for (const auto& words :
+       {std::vector<std::string>{"run", "log.g2o", "--robust", "all"}, {"run", "--robust", "all", "log.g2o"}}) {
+    expect_failure(call(words), 2, "--robust takes its word behind =: --robust=all");
+  }
+}
+
 TEST(Errors, ARemedyThatACommandLacksIsOfferedWithTheCommandThatHasIt) {
   const TemporaryFolder folder;
   const auto apart = folder.file("log.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 5 6 1 0 0 1 0 0 1 0 1\n").string();
   const std::string remedy = "; --parts largest takes the largest, --parts all makes a map of each";
   EXPECT_THAT(call({"run", apart}).err, EndsWith(remedy + "\n"));
-  EXPECT_THAT(call({"basin", apart}).err,
-              EndsWith(remedy + "; --parts goes with `mapjoin run -o DIR`, and DIR can be given here\n"));
+  EXPECT_THAT(
+      call({"basin", apart}).err,
+      EndsWith(remedy + "; --parts goes with `mapjoin run -o DIR`, and DIR, or with all DIR/part_1, …, can be given here\n"));
   const std::string run = (folder.path() / "run").string();
   ASSERT_EQ(call({"run", apart, "--parts", "largest", "-o", run, "--quiet"}).exit_code, 0);
   EXPECT_EQ(call({"basin", run, "--seeds", "1"}).exit_code, 0);

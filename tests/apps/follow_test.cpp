@@ -158,6 +158,7 @@ TEST_F(Follow, IdsMayBeTimes) {
   const Ended ended = call({"run", path("log.g2o"), "--follow", "--idle", "0", "--ids-are-nanoseconds", "--quiet", "-o", map});
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(content_of(map), HasSubstr("\n0.000000007 "));
+  EXPECT_THAT(ended.err, HasSubstr("log.g2o: with --ids-are-nanoseconds all of it takes less than a millisecond"));
 }
 
 TEST_F(Follow, IdsMayBeInNoOrderAtAll) {

@@ -87,6 +87,10 @@ TEST_F(Output, AnExtensionThatNoMapHasIsRefused) {
       EXPECT_FALSE(fs::exists(path(name)));
     }
   }
+  expect_failure(call({"solve", kBundledLog, "-o", path("new/")}), 2, "new/ is a folder, which only `mapjoin run` makes");
+  for (const std::string name : {"log.g2o.gz", "log.csv"}) {
+    expect_failure(call({"simulate", "--poses", "9", "-o", path(name)}), 2, "the log is written in g2o, and " + path(name));
+  }
   ASSERT_TRUE(fs::create_directory(path("results.v2")));
   for (const std::string name : {"results.v2", "results.v3/"}) {
     EXPECT_EQ(call({"run", kBundledLog, "-o", path(name)}).exit_code, 0) << name;

@@ -48,7 +48,24 @@ TEST_F(ReadingOptions, ThatLeaveLinesOutHoldForTheTruth) {
 
 TEST_F(ReadingOptions, OfSeveralInputsAreRefusedForOne) {
   expect_failure(call({"run", log, "--features", "own"}), 2, "--features own is of several inputs");
+  const std::string maps = path("log.maps");
+  ASSERT_EQ(call({"build", log, "-o", maps, "--quiet"}).exit_code, 0);
+  expect_failure(call({"join", maps, "--features", "own"}), 2, "inputs; inputs of one store take it from `mapjoin build`");
   expect_failure(call({"check", log, "--keep-copies"}), 2, "--keep-copies is of several inputs");
+}
+
+TEST_F(ReadingOptions, OfPartsCountTheFeaturesThatTheyLeaveOut) {
+  const std::string text =
+      "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 0 0 0\nVERTEX_XY 8 1 1\nVERTEX_XY 9 1 1\n"
+      "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2_XY 2 8 1 1 1 0 1\n";
+  const std::string apart = folder.file("apart.g2o", text).string();
+  expect_failure(call({"run", apart}), 3, "feature 9 is never observed; --parts largest leaves such features out");
+  const auto skipped = report_of({"run", apart, "--parts", "largest"}).at("skipped");
+  EXPECT_EQ(skipped.at("poses of other parts"), 1);
+  EXPECT_EQ(skipped.at("features of other parts"), 1);
+  EXPECT_EQ(skipped.at("features that no pose observes"), 1);
+  const Ended all = call({"run", apart, "--parts", "all", "-o", path("all")});
+  EXPECT_THAT(all.out, ::testing::HasSubstr("left out: features that no pose observes (1)"));
 }
 
 }  // namespace

@@ -82,6 +82,14 @@ TEST_F(SeveralInputs, AFolderHasATrajectoryOfEachSession) {
   }
 }
 
+TEST_F(SeveralInputs, ATrajectoryOfOneFileSaysThatItMixesSessions) {
+  const std::string two = (folder.path() / "two.tum").string();
+  const Ended ended = call({"run", a, b, "-o", two, "--no-verdict"});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_THAT(ended.err, HasSubstr("two.tum: has the poses of several sessions one after the other"));
+  EXPECT_EQ(call({"run", a, "-o", two, "--no-verdict"}).err, "");
+}
+
 TEST_F(SeveralInputs, PartsAreTakenOneByOneWhereAskedFor) {
   EXPECT_EQ(report_of({"run", a, b, "--features", "own", "--parts", "largest"})["poses"], 500);
   const auto out = folder.path() / "parts";

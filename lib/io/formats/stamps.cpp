@@ -42,7 +42,9 @@ Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log) {
     const PoseIndex pose = begin->second;
     if (std::next(begin) != end)
       return text.error(fmt::format(
-          "several sessions have a pose {}; stamp each log by itself, as mapjoin build does, and join them", key_text(*key)));
+          "several sessions have a pose {}; stamp each log by itself, by `mapjoin run LOG --stamps FILE -o DIR`, and run on "
+          "the folders",
+          key_text(*key)));
     if (stamps[pose]) return text.error(fmt::format("{} has two times; keep one", to_string(log.poses[pose])));
     stamps[pose] = read_time(text);
     while (!text.at_end_of_line()) text.word();

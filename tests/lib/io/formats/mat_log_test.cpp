@@ -90,6 +90,7 @@ TEST_F(MatLogTest, NamesVariableAndRowOfAFault) {
   EXPECT_THAT(error_with(3, std::nan("")), HasSubstr("row 2: a value is not finite"));
   EXPECT_THAT(error("VicPark_clean_data", table.leftCols(11)), HasSubstr("has 11 columns, not 12"));
   EXPECT_THAT(error("other", table), HasSubstr("holds neither the variable VicPark_clean_data nor"));
+  EXPECT_THAT(error("poses", table), HasSubstr("log.mat: is a map for MATLAB and Octave, which is only written"));
 }
 
 TEST(MatLogData, VictoriaPark) {

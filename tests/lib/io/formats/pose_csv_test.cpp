@@ -129,7 +129,8 @@ TEST_F(StampsTest, AreRefusedWhereTheyDoNotFit) {
     EXPECT_THAT(message("1 " + no_time + "\n"), EndsWith(":1:3: a time in seconds is expected, not '" + no_time + "'"));
   }
   log.poses[PoseIndex(1)] = {1, 1};
-  EXPECT_THAT(message("1 1\n"), HasSubstr(":1:1: several sessions have a pose 1; stamp each log by itself"));
+  EXPECT_THAT(message("1 1\n"),
+              HasSubstr(":1:1: several sessions have a pose 1; stamp each log by itself, by `mapjoin run LOG"));
 }
 
 }  // namespace
