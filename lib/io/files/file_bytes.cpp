@@ -63,13 +63,10 @@ Expected<std::string> gunzip(const std::filesystem::path& path, std::string_view
   return bytes;
 }
 
-/// Beginnings of files that are packed otherwise than by gzip, and what packed them.
-constexpr auto kPackedOtherwise = std::to_array<std::pair<std::string_view, std::string_view>>({{"\xfd"
-                                                                                                 "7zXZ",
-                                                                                                 "xz"},
-                                                                                                {"BZh", "bzip2"},
-                                                                                                {"\x28\xb5\x2f\xfd", "zstd"},
-                                                                                                {"PK\3\4", "zip"}});
+/// The beginning of files, and what packed them so.
+using Packer = std::pair<std::string_view, std::string_view>;
+constexpr auto kPackedOtherwise =
+    std::to_array<Packer>({{"\3757zXZ", "xz"}, {"BZh", "bzip2"}, {"\x28\xb5\x2f\xfd", "zstd"}, {"PK\3\4", "zip"}});
 
 }  // namespace
 

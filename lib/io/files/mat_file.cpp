@@ -19,8 +19,7 @@ constexpr std::size_t kLeastBytesARow = 8;  // One number at least.
 constexpr std::string_view kVersion5("\0\1IM", 4);
 constexpr std::string_view kVersion73("\0\2IM", 4);  // HDF5 behind the header.
 constexpr std::string_view kBigEndian5("\1\0MI", 4);
-constexpr std::string_view kBeginOfVersion4("\0\0\0\0",
-                                            4);  ///< Of a little-endian matrix of doubles; such a file has no header.
+constexpr std::string_view kBeginOfVersion4("\0\0\0\0", 4);  // A little-endian matrix of doubles; there is no header.
 
 std::uint32_t word(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
