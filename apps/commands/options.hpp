@@ -66,7 +66,7 @@ inline const std::string kLogFormats =
 inline const std::string kLogOrMaps = "A log, the folder of a run, a store, or a folder or archive of local maps";
 
 /// The files that a truth is read from (see TruthFile), for the help texts of --truth.
-inline const std::string kTruthFiles = ".tum (poses only), g2o with vertices, or the folder of a run";
+inline const std::string kTruthFiles = ".tum or .csv (poses only), g2o with vertices, or the folder of a run";
 
 /// Help text of an output MAP (see write_map_file()).
 inline const std::string kMapFile = "Write the map: .g2o, .tum (poses only), .csv (features beside it), .mat";

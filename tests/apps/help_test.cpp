@@ -72,7 +72,7 @@ TEST(Help, SaysWhereTheFolderOfARunMayStand) {
     EXPECT_THAT(words(command), ::testing::HasSubstr("A log, the folder of a run, a store, or a folder or archive"));
   }
   for (const std::string command : {"run", "join", "solve", "compare", "plot"}) {
-    EXPECT_THAT(words(command), ::testing::HasSubstr(".tum (poses only), g2o with vertices, or the folder of a run"));
+    EXPECT_THAT(words(command), ::testing::HasSubstr(".tum or .csv (poses only), g2o with vertices, or the folder of a run"));
   }
 }
 
