@@ -52,7 +52,7 @@ TEST_F(BadInput, NotANumberIsRefused) {
 }
 
 TEST_F(BadInput, AnIndefiniteInformationMatrixIsNamedByItsEdge) {
-  expect_refused(kSmallLog + "EDGE_SE2 2 3 1 0 0 1 0 0 -1 0 1\n", ":5:", "2-3");
+  expect_refused(kSmallLog + "EDGE_SE2 2 3 1 0 0 1 0 0 -1 0 1\n", ":5:", "the edge from pose 2 to pose 3");
 }
 
 TEST_F(BadInput, AnUnknownIdIsNamed) {
