@@ -12,6 +12,12 @@ namespace {
 /// Poses per map if nothing else is asked for.
 constexpr double kPosesPerMap = 10.0;
 
+/// The update that makes a pose known, or of the first one if the pose is known already.
+template <int Dim>
+SubmapUpdate<Dim>& update_of(const PoseId& pose, std::vector<SubmapUpdate<Dim>>& updates) {
+  return *std::ranges::find_if(updates, [&](const auto& u) { return u.segments.empty() || pose <= last_pose(u); });
+}
+
 }  // namespace
 
 template <int Dim>
@@ -46,6 +52,11 @@ bool SubmapUpdateMaker<Dim>::add(const Log<Dim>& news) {
     if (is_past(pose)) return false;
     observations_.push_back({pose, news.features[o.target], o});
   }
+  for (const auto& o : news.pose_priors()) {
+    if (!is_kept(name(o.target))) return false;
+    pose_priors_.push_back({name(o.target), o});
+  }
+  for (const auto& o : news.feature_priors()) feature_priors_.push_back({news.features[o.target], o});
   return true;
 }
 
@@ -57,12 +68,12 @@ Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window
   auto log = std::move(builder).finish(PoseOrder::kOfIds);
   if (!log) return tl::unexpected(log.error());
   Window window{*std::move(log), {}, 0};
-  Table<PoseIndex, bool> elsewhere(window.log.poses.size(), false);  // of poses that a closure from elsewhere mentions
-  for (const Edge& closure : closures_) {
-    for (const PoseId& end : {closure.base, closure.target}) {
-      if (const auto pose = find_ascending(window.log.poses, end)) elsewhere[PoseIndex(*pose)] = true;
-    }
-  }
+  Table<PoseIndex, bool> elsewhere(window.log.poses.size(), false);  // of poses that something from elsewhere concerns
+  const auto mention = [&](const PoseId& id) {
+    if (const auto pose = find_ascending(window.log.poses, id)) elsewhere[PoseIndex(*pose)] = true;
+  };
+  for (const Edge& closure : closures_) mention(closure.base), mention(closure.target);
+  for (const PosePrior& of : pose_priors_) mention(of.pose);
   window.split = split(window.log, split_, elsewhere);
   auto& segments = window.split.segments;
   window.open_begin = is_end ? indices(window.log.poses).last : segments.back().begin;
@@ -79,7 +90,8 @@ template <int Dim>
 Expected<std::vector<SubmapUpdate<Dim>>> SubmapUpdateMaker<Dim>::take(bool is_end) {
   std::vector<SubmapUpdate<Dim>> updates;
   if (edges_.empty() && observations_.empty()) {
-    if (is_end && !closures_.empty()) hand_over_closures(updates = {SubmapUpdate<Dim>{}});
+    const bool has_late = !closures_.empty() || !pose_priors_.empty() || !feature_priors_.empty();
+    if (is_end && has_late) hand_over(updates = {SubmapUpdate<Dim>{}}, is_end);
     return updates;
   }
   auto next = window(is_end);
@@ -89,7 +101,7 @@ Expected<std::vector<SubmapUpdate<Dim>>> SubmapUpdateMaker<Dim>::take(bool is_en
   if (!built) return tl::unexpected(built.error());
   note_poses(*next);
   updates = submap_updates_of(next->log, next->split, built->maps);
-  hand_over_closures(updates);
+  hand_over(updates, is_end);
   forget(*next);
   return updates;
 }
@@ -101,17 +113,43 @@ void SubmapUpdateMaker<Dim>::note_poses(const Window& window) {
   }
 }
 
-/// Hands each closure to the update that makes its later pose known, or to the first one if that pose is known already.
+template <int Dim>
+void SubmapUpdateMaker<Dim>::hand_over(std::vector<SubmapUpdate<Dim>>& updates, bool is_end) {
+  hand_over_closures(updates);
+  hand_over_pose_priors(updates);
+  hand_over_feature_priors(updates, is_end);
+}
+
 template <int Dim>
 void SubmapUpdateMaker<Dim>::hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates) {
   std::erase_if(closures_, [&](const Edge& closure) {
     if (!is_kept_.contains(closure.base) || !is_kept_.contains(closure.target)) return false;
-    const PoseId& later = std::max(closure.base, closure.target);
-    const auto update =
-        std::ranges::find_if(updates, [&](const auto& u) { return u.segments.empty() || later <= last_pose(u); });
-    PoseFactor<Dim>& o = update->graph.pose_factors.emplace_back(closure.observation);
-    o.base = enter_name(update->poses, closure.base);
-    o.target = enter_name(update->poses, closure.target);
+    SubmapUpdate<Dim>& update = update_of(std::max(closure.base, closure.target), updates);
+    PoseFactor<Dim>& o = update.graph.pose_factors.emplace_back(closure.observation);
+    o.base = enter_name(update.poses, closure.base);
+    o.target = enter_name(update.poses, closure.target);
+    return true;
+  });
+}
+
+template <int Dim>
+void SubmapUpdateMaker<Dim>::hand_over_pose_priors(std::vector<SubmapUpdate<Dim>>& updates) {
+  std::erase_if(pose_priors_, [&](const PosePrior& of) {
+    if (!is_kept_.contains(of.pose)) return false;
+    SubmapUpdate<Dim>& update = update_of(of.pose, updates);
+    update.graph.pose_factors.emplace_back(of.prior).target = enter_name(update.poses, of.pose);
+    return true;
+  });
+}
+
+/// One of a feature that is known already waits for an update that sees it again.
+template <int Dim>
+void SubmapUpdateMaker<Dim>::hand_over_feature_priors(std::vector<SubmapUpdate<Dim>>& updates, bool is_end) {
+  std::erase_if(feature_priors_, [&](const FeaturePrior& of) {
+    auto update = std::ranges::find_if(updates, [&](const auto& u) { return std::ranges::count(u.features, of.feature) > 0; });
+    if (update == updates.end() && !is_end) return false;
+    if (update == updates.end()) --update;
+    update->graph.feature_factors.emplace_back(of.prior).target = enter_name(update->features, of.feature);
     return true;
   });
 }

@@ -20,9 +20,9 @@ class SubmapUpdateMaker {
   /// `split` is by a number of poses, features or metres; kAuto is 10 poses, as its cost model needs the whole log.
   explicit SubmapUpdateMaker(SplitOptions split, MinimiseOptions solver = {});
 
-  /// Takes odometry, closures and feature observations, with their losses; priors and fixed poses are ignored. False if an edge
-  /// concerns a pose that a map has eliminated, or an observation is from a pose of an update: the log must then be cut anew,
-  /// from its begin, by another maker. Throws std::invalid_argument if check_invariants() finds a fault.
+  /// Takes odometry, closures, feature observations and priors, with their losses; fixed poses are ignored. False if an edge or
+  /// a prior concerns a pose that a map has eliminated, or an observation is from a pose of an update: the log must then be cut
+  /// anew, from its begin, by another maker. Throws std::invalid_argument if check_invariants() finds a fault.
   bool add(const Log<Dim>& news);
   /// The updates that are complete; at the end of the log all that is left. Bad input if a pose cannot be named.
   Expected<std::vector<SubmapUpdate<Dim>>> take(bool is_end);
@@ -38,6 +38,14 @@ class SubmapUpdateMaker {
     FeatureId feature;
     FeatureFactor<Dim> observation;
   };
+  struct PosePrior {
+    PoseId pose;
+    PoseFactor<Dim> prior;
+  };
+  struct FeaturePrior {
+    FeatureId feature;
+    FeatureFactor<Dim> prior;
+  };
   /// The part of the log that is not in an update yet, as a log of its own, with its split.
   struct Window {
     Log<Dim> log;
@@ -51,7 +59,11 @@ class SubmapUpdateMaker {
   Expected<Window> window(bool is_end) const;
   /// Notes the window's poses up to the open ones.
   void note_poses(const Window& window);
+  /// Hands closures and priors to the updates that make their poses and features known; at the end of the log all.
+  void hand_over(std::vector<SubmapUpdate<Dim>>& updates, bool is_end);
   void hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates);
+  void hand_over_pose_priors(std::vector<SubmapUpdate<Dim>>& updates);
+  void hand_over_feature_priors(std::vector<SubmapUpdate<Dim>>& updates, bool is_end);
   void forget(const Window& window);
 
   SplitOptions split_;
@@ -59,6 +71,8 @@ class SubmapUpdateMaker {
   std::vector<Edge> edges_;     // between poses that are not past
   std::vector<Edge> closures_;  // to poses that are past
   std::vector<Observation> observations_;
+  std::vector<PosePrior> pose_priors_;  // that are in no update yet, as the next
+  std::vector<FeaturePrior> feature_priors_;
   std::map<PoseId, bool> is_kept_;  // true if kept; for the poses of all updates
   PoseId last_;
 };

@@ -13,7 +13,7 @@ namespace mapjoin {
 namespace {
 
 /// A log in slices of `poses_at_once` poses, as it is written while the robot drives: each pose comes with its odometry, its
-/// closures to earlier poses and its observations.
+/// closures to earlier poses, its observations and its priors; priors of features come first.
 template <int Dim>
 std::vector<Log<Dim>> driven(const Log<Dim>& log, int poses_at_once) {
   std::vector<Log<Dim>> slices;
@@ -28,6 +28,12 @@ std::vector<Log<Dim>> driven(const Log<Dim>& log, int poses_at_once) {
       if (is_here(o.base)) {
         builder.add_observation(id(o.base), log.features[o.target], o.measured, o.information);
       }
+    }
+    for (const auto& o : log.pose_priors()) {
+      if (is_here(o.target)) builder.add_pose_prior(id(o.target), o.measured, o.information);
+    }
+    for (const auto& o : log.feature_priors()) {
+      if (begin == 0) builder.add_feature_prior(log.features[o.target], o.measured, o.information);
     }
     auto slice = std::move(builder).finish();
     if (slice) slices.push_back(*std::move(slice));
@@ -71,6 +77,41 @@ TYPED_TEST(SubmapUpdateMakerTest, ALogThatComesInSlicesHasThePartsOfTheWhole) {
     ASSERT_EQ(updates.size(), joined_map.size()) << at_once;
     for (std::size_t k = 0; k < updates.size(); ++k) EXPECT_EQ(updates[k].poses, joined_map[k].poses) << at_once;
     EXPECT_NEAR(chi2_of(updates), chi2_of(joined_map), 1e-6 * chi2_of(joined_map));
+  }
+}
+
+/// Positions of every fourth pose, and of two features, one of which is seen late.
+TYPED_TEST(SubmapUpdateMakerTest, PriorsComeWithTheirPosesAndFeatures) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = testing::small_world<kDim>({.poses = 50, .closures = 0});
+  PoseMatrix<kDim> of_position = PoseMatrix<kDim>::Zero();
+  of_position.template topLeftCorner<kDim, kDim>() = 100.0 * PointMatrix<kDim>::Identity();
+  LogBuilder<kDim> builder("with priors");
+  builder.append(world.log);
+  testing::Random random(3);
+  for (PoseIndex p = 0; p < indices(world.log.poses).last; p += 4) {
+    const Point<kDim> fix = world.truth.poses[p].translation + random.template vector<kDim>(0.2);
+    builder.add_pose_prior(world.log.poses[p], {fix, {}}, of_position);
+  }
+  for (const FeatureIndex f : {world.log.observations().front().target, world.log.observations().back().target}) {
+    builder.add_feature_prior(world.log.features[f], world.truth.features[f], 100.0 * PointMatrix<kDim>::Identity());
+  }
+  const Log<kDim> log = std::move(builder).finish().value();
+  const auto whole = testing::parts_of_log(log, 6.0);
+  for (const int at_once : {1, 7, 200}) {
+    SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
+    const auto updates = this->parts_of_slices(driven(log, at_once), maker);
+    ASSERT_EQ(updates.size(), whole.size()) << at_once;
+    for (std::size_t k = 0; k < updates.size(); ++k) {
+      EXPECT_EQ(updates[k].graph.pose_factors.size(), whole[k].graph.pose_factors.size()) << at_once << ", " << k;
+      EXPECT_EQ(updates[k].graph.feature_factors.size(), whole[k].graph.feature_factors.size()) << at_once << ", " << k;
+    }
+    EXPECT_NEAR(chi2_of(updates), chi2_of(whole), 1e-6 * chi2_of(whole)) << at_once;
+    IncrementalJoin<kDim> joined;
+    AddedUpdate last;
+    for (const auto& update : updates) last = joined.add(update).value();
+    EXPECT_TRUE(last.is_joined);
+    EXPECT_LT(last.chi2, 1.01 * chi2_of(whole) + 0.5);
   }
 }
 
@@ -152,9 +193,16 @@ TYPED_TEST(SubmapUpdateMakerTest, WhatConcernsAMapThatIsMadeIsRefused) {
   LogBuilder<kDim> late("sight");
   late.add_observation({0, 3}, {0}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
   EXPECT_FALSE(maker.add(std::move(late).finish().value()));
+  const auto prior_of = [](std::uint64_t pose) {
+    LogBuilder<kDim> prior("prior");
+    prior.add_pose_prior({0, pose}, {}, PoseMatrix<kDim>::Identity());
+    return std::move(prior).finish().value();
+  };
+  EXPECT_TRUE(maker.add(prior_of(12)));
+  EXPECT_FALSE(maker.add(prior_of(8)));
   const auto rest = maker.take(true).value();
   ASSERT_EQ(rest.size(), 1u);
-  EXPECT_EQ(rest[0].graph.pose_factors.size(), 2u);
+  EXPECT_EQ(rest[0].graph.pose_factors.size(), 3u);
 }
 
 }  // namespace
