@@ -226,7 +226,7 @@ std::vector<std::string> demand_extension(const fs::path& path) {
 std::vector<std::string> check_extension(const fs::path& path, bool takes_folder) {
   const bool is_folder = !path.empty() && !path.has_filename();
   if (is_folder && !takes_folder)
-    return {fmt::format("--output: {} is a folder, which only `mapjoin run` makes", path.string())};
+    return {fmt::format("--output: {} is a folder, as `mapjoin run` writes a map; name a file", path.string())};
   if (!goes_by_extension(path) || names_map_file(path)) return {};
   return {fmt::format("--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat{}", path.string(),
                       takes_folder ? " (a new folder has none, or ends in /)" : "")};

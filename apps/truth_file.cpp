@@ -141,14 +141,14 @@ bool begins_with_counts(TextScanner text) {
   return true;
 }
 
-/// Fails where two poses of the map's trajectory are of one time: they are of different sessions.
+/// Fails where two lines of the map's trajectory are of one time: which of them is meant is not known.
 void demand_one_session(const std::string& truth, const Table<PoseIndex, std::int64_t>& stamps_ns) {
   std::vector<std::int64_t> times(stamps_ns.begin(), stamps_ns.end());
   std::ranges::sort(times);
   const auto twice = std::ranges::adjacent_find(times);
   if (twice == times.end()) return;
-  fail(ErrorKind::kUsage, fmt::format("{}: the trajectory of the map has two poses at {:.3f} s, and does not say of which "
-                                      "session each is; the folder of the run, in place of its trajectory, does",
+  fail(ErrorKind::kUsage, fmt::format("{}: the trajectory of the map has two lines of {:.3f} s; keep one or, if they are of "
+                                      "two sessions, give the folder of the run in place of its trajectory",
                                       truth, in_seconds(*twice)));
 }
 
@@ -242,6 +242,7 @@ Table<PoseIndex, std::optional<Pose<Dim>>> TruthFile::poses_in(const Log<Dim>& t
   }
   for (const std::int64_t stamp : stamps_ns) of_map.push_back({in_seconds(stamp), {}});
   // The map has to be of one session of the truth at any time.
+  demand_one_session(path_, stamps_ns);
   told(by_time<Dim>(of_map, truth.poses, truth.stamps_ns, most_apart_),
        "the folder of the run, in place of its trajectory, does");
   return told(by_time<Dim>(lines, poses, stamps_ns, most_apart_), kSessionsByTable);
@@ -251,9 +252,9 @@ template <int Dim>
 Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
-  if (is_map_trajectory_) demand_one_session(path_, stamps_ns);
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
     if (has_times_ && !stamps_ns.empty()) {
+      if (is_map_trajectory_) demand_one_session(path_, stamps_ns);
       return {told(by_time<Dim>(*trajectory, poses, stamps_ns, most_apart_), kSessionsByTable), no_features};
     }
     demand_counts();

@@ -177,7 +177,7 @@ Expected<Found<Dim>> run_best(const Log<Dim>& log, const RunOptions& options, co
   if (!other) return other.error().kind == ErrorKind::kInterrupted ? std::move(other) : std::move(best);
   if (is_less_chi2(other->result.chi2, best->result.chi2)) {
     std::swap(best, other);
-    best->result.join.is_confirmed = best->result.join.was_as_good_as_linear();
+    best->result.join.is_confirmed = best->result.join.kept_its_promises();
   } else if (confirm_each_other(best->result, other->result)) {
     best->result.join.is_confirmed = true;
   }

@@ -41,16 +41,16 @@ struct JoinResult : MinimiseResult {
 
   /// True if it converged, every step gained what the model promised, so that there was no second minimum on the way, and chi2
   /// is not larger than its degrees of freedom allow, as in a minimum into which every step led.
-  bool was_as_good_as_linear() const {
+  bool kept_its_promises() const {
     return status == MinimiseStatus::kConverged && short_steps == 0 &&
            chi_squared_upper_tail(chi2, static_cast<double>(dof)) >= kLeastJoinProbability;
   }
   /// True if it began near the optimum to which it converged.
   bool came_from_near_by() const {
-    return status == MinimiseStatus::kConverged && (largest_rotation < kFarFromLinear || was_as_good_as_linear());
+    return status == MinimiseStatus::kConverged && (largest_rotation < kFarFromLinear || kept_its_promises());
   }
   /// True if it settles the map by itself.
-  bool settles() const { return was_as_good_as_linear() || (schedule == kWays.front() && came_from_near_by()); }
+  bool settles() const { return kept_its_promises() || (schedule == kWays.front() && came_from_near_by()); }
 };
 
 /// The result of the first way that settles the map, otherwise that of least chi2 once two ways have ended at the same optimum,

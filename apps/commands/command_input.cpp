@@ -91,8 +91,9 @@ Truth<Dim> truth_of(const TruthFile& file, const SubmapSet<Dim>& set) {
 template <int Dim>
 void say_if_short(const Log<Dim>& log) {
   constexpr std::int64_t kShortestDrive = 1'000'000;  // (ns)
+  if (log.stamps_ns.size() < 2) return;
   const auto [first, last] = std::ranges::minmax(log.stamps_ns);
-  if (log.poses.size() < 2 || last - first >= kShortestDrive) return;
+  if (last - first >= kShortestDrive) return;
   say(log.source + ": with --ids-are-nanoseconds all of it takes less than a millisecond; leave that out unless ids are times");
 }
 

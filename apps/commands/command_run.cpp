@@ -48,7 +48,7 @@ void say_unwritten(const Options& options) {
   for (const ExtraFile& file : extra_files(options)) {
     if (file.extra == Extra::kCovariances || file.extra == Extra::kRelations) names.emplace_back(file.in_folder);
   }
-  if (!names.empty()) say(fmt::format("without --output no file is written: not {}", fmt::join(names, " and ")));
+  if (!names.empty()) say(fmt::format("{} would be written with --output", fmt::join(names, " and ")));
 }
 
 /// Says where a trajectory of one file mixes several sessions.
@@ -57,8 +57,8 @@ void say_sessions(const GlobalMap<Dim>& map, const std::filesystem::path& output
   const auto is_of_another = [&](const PoseId& id) { return id.session != map.pose_ids.front().session; };
   if (extension_of(output) != ".tum" || std::ranges::none_of(map.pose_ids, is_of_another)) return;
   say(fmt::format(
-      "{}: has the poses of several sessions one after the other, and does not say of which each is; a folder (-o DIR) "
-      "has a trajectory of each, too",
+      "{}: has the poses of several sessions one after the other, and does not say of which each is; `mapjoin run -o DIR` "
+      "writes a trajectory of each, too",
       output.string()));
 }
 

@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <mapjoin/join/association/joint_alignment.hpp>
@@ -42,6 +43,14 @@ std::size_t overlap(const std::vector<Point<Dim>>& known, const std::vector<Poin
   if (fewer < AlignmentBranch<Dim>::kFewest) return 0;
   const auto among = static_cast<std::size_t>(std::ranges::count_if(sightings, is_among));
   return among < AlignmentBranch<Dim>::kFewest || 2 * among < fewer ? 0 : std::min(among, fewer);
+}
+
+/// The largest value of the branches.
+template <typename Branch, typename Value>
+double largest(const std::vector<Branch>& branches, const Value& value) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Branch& branch : branches) most = std::max(most, std::invoke(value, branch));
+  return most;
 }
 
 bool share_a_pairing(const AlignedPair& one, const AlignedPair& other) {
@@ -212,10 +221,13 @@ void JointAlignment<Dim>::place(std::size_t pair) {
 
 template <int Dim>
 void JointAlignment<Dim>::prune(std::vector<Branch> branches) {
-  std::ranges::stable_sort(branches, {}, [](const Branch& b) { return b.excess(); });
-  const double most = branches.front().excess() - 2.0 * std::log(kLeastOdds);
-  const double least = std::ranges::max(branches, {}, &Branch::log_odds).log_odds() + std::log(kLeastOdds);
-  std::erase_if(branches, [&](const Branch& b) { return b.excess() > most && b.log_odds() < least; });
+  std::ranges::stable_sort(branches, {}, &Branch::excess);
+  const double least_excess = branches.front().excess();
+  const double most_odds = largest(branches, &Branch::log_odds);
+  // How far a branch is behind the best one, by fit or by odds, whichever is less.
+  const auto behind = [&](const Branch& b) { return std::min(b.excess() - least_excess, 2.0 * (most_odds - b.log_odds())); };
+  std::erase_if(branches, [&](const Branch& b) { return behind(b) > -2.0 * std::log(kLeastOdds); });
+  std::ranges::stable_sort(branches.begin() + 1, branches.end(), {}, behind);
   branches.resize(std::min(kMostAlignmentBranches, branches.size()));
   branches_ = std::move(branches);
 }
@@ -226,7 +238,7 @@ template <int Dim>
 double JointAlignment<Dim>::share_of(const AlignedPair& placed) const {
   const auto aligns_alike = [&](const AlignedPair& p) { return p.pair == placed.pair && share_a_pairing(p, placed); };
   const auto share_by = [&](const auto& log_weight) {
-    const double most = log_weight(std::ranges::max(branches_, {}, log_weight));
+    const double most = largest(branches_, log_weight);
     double with = 0.0;
     double all = 0.0;
     for (const Branch& branch : branches_) {
@@ -260,9 +272,9 @@ std::vector<Proposal> JointAlignment<Dim>::propose(const std::stop_token& stop) 
     const double share = share_of(placed);
     for (std::size_t k = 0; k < placed.features.size(); ++k) {
       Match match = placed.matches[k];
-      match.placement_probability *= share;
+      match.placement_probability *= share * probability_of(match.score - log_tests());
       if (match.placement_probability < placement_confidence(confidence_, identities_)) continue;
-      match.probability *= match.placement_probability * probability_of(match.score - log_tests());
+      match.probability *= match.placement_probability;
       const auto& [one, other] = placed.features[k];
       const MapPair<Dim>& pair = pairs_[placed.pair];
       if (match.probability >= confidence_) proposals.push_back({one, other, match, {pair.maps[0], pair.maps[1]}});

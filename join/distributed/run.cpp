@@ -57,9 +57,9 @@ GlobalMap<Dim> gathered(const Communicator& comm, const LogPart<Dim>& whole, con
   anchored = comm.gather(anchored);
   std::vector<std::string> from = comm.collect(std::move(writer).bytes());
   GlobalMap<Dim> map;
-  if (!comm.is_root()) return map;
   make_distinct(anchored);
   map.gauge = std::move(anchored);
+  if (!comm.is_root()) return map;
   map.pose_ids = whole.poses;
   map.feature_ids = whole.features;
   map.conventions = whole.conventions;

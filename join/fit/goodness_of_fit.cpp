@@ -68,8 +68,8 @@ void solve_for_weak(LeaveOneOut<Dim>& leave_one_out, const std::vector<TestedPar
   std::vector<std::size_t> factors;
   for (const auto& [kind, part, test] : parts) {
     const bool may_close_a_loop = kind == PartKind::kClosure || kind == PartKind::kPrior;
-    const bool is_whole = kind != PartKind::kMapFeature;
-    if (may_close_a_loop || (is_whole && leave_one_out.is_rounded(part.factor))) factors.push_back(part.factor);
+    const bool is_of_map = kind == PartKind::kMapFeature || kind == PartKind::kLocalMap;  // with a hundred rows or more
+    if (may_close_a_loop || (!is_of_map && leave_one_out.is_rounded(part.factor))) factors.push_back(part.factor);
   }
   leave_one_out.solve_for_weak(factors, stop);
 }

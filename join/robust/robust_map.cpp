@@ -100,8 +100,8 @@ Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_t
   const PoseVector<Dim> weak = weak_information(log);
   std::for_each(edges.begin(), edges.begin() + odometry, [&](PoseFactor<Dim>& edge) { complete_weakly(edge, weak); });
   std::for_each(edges.begin() + odometry, edges.end(), [&](PoseFactor<Dim>& edge) {
-    const bool is_partial = measures_rotation(edge) && measures_position(edge);
-    if (is_partial) complete_weakly(edge, weak);  // otherwise the rest stays unmeasured
+    const bool measures_both = measures_rotation(edge) && measures_position(edge);
+    if (measures_both) complete_weakly(edge, weak);  // otherwise the rest stays unmeasured
   });
   RunOptions options = without_verdict();
   options.schedule = Schedule::kAligned;

@@ -48,7 +48,7 @@ TEST_F(Certainty, OfNothingIsUnknown) {
   EXPECT_EQ(median["features"], json({{"in_map", nullptr}, {"relative", nullptr}}));
   EXPECT_THAT(call({"run", log, "--covariances"}).out, HasSubstr("to where they hang (median standard deviations)"));
   EXPECT_EQ(call({"run", log, "--covariances", "--relations"}).err,
-            "mapjoin: without --output no file is written: not covariances.json and relations.csv\n");
+            "mapjoin: covariances.json and relations.csv would be written with --output\n");
   const std::string all_fixed = folder.file("fixed.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nFIX 0 1\n" + edge).string();
   EXPECT_EQ(report_of({"run", all_fixed, "--covariances"})["certainty"]["median_deviation"]["poses"]["in_map"], nullptr);
 }

@@ -160,16 +160,16 @@ TEST_F(ErrorCommand, RefusesATrajectoryThatIsInTwoPlacesAtOnce) {
   const std::string two =
       folder.file("two.tum", "10.5 0 0 0 0 0 0 1\n11.5 1 0 0 0 0 0 1\n10.5 5 0 0 0 0 0 1\n11.5 6 0 0 0 0 0 1\n").string();
   for (const std::string& truth : {one, folder.file("t.csv", "pose,x,y,phi,stamp_ns\n0,0,0,0,10500000000\n").string()}) {
-    expect_failure(call({"error", two, truth}), 2, "the trajectory of the map has two poses at 10.500 s, and does not say");
+    expect_failure(call({"error", two, truth}), 2, "the trajectory of the map has two lines of 10.500 s; keep one or");
   }
   EXPECT_EQ(errors({"error", one, one})["ate"]["translation"]["count"], 2);
 }
 
 TEST_F(ErrorCommand, SaysWherePosesOfTheTruthAreOfAnotherSession) {
   const std::string second = folder.file("second.csv", "session,pose,x,y,phi\n1,4,0,0,0\n1,5,1,0,0\n").string();
-  expect_failure(
-      call({"error", second, truth}), 2,
-      "truth.g2o: has the poses of the map in another session; its column session says of which session each pose is");
+  expect_failure(call({"error", second, truth}), 2,
+                 "truth.g2o: names the poses of the map in session 0, and the map in others; a table whose column session says "
+                 "of which session each pose is matches them");
 }
 
 TEST_F(ErrorCommand, SaysWhatMakesATruthOfAGraphWithoutValues) {

@@ -19,7 +19,6 @@ constexpr std::size_t kLeastBytesARow = 8;  // One number at least.
 constexpr std::string_view kVersion5("\0\1IM", 4);
 constexpr std::string_view kVersion73("\0\2IM", 4);  // HDF5 behind the header.
 constexpr std::string_view kBigEndian5("\1\0MI", 4);
-constexpr std::string_view kBeginOfVersion4("\0\0\0\0", 4);  // A little-endian matrix of doubles; there is no header.
 
 std::uint32_t word(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -180,18 +179,28 @@ std::string_view version_of(std::string_view bytes) {
   return bytes.size() < kHeaderSize ? std::string_view() : bytes.substr(124, 4);
 }
 
+/// True if a file begins with a little-endian matrix of doubles, as those of version 4 do, which have no header: a type of 0,
+/// the numbers of rows and columns, whether it is complex, and the length of its name.
+bool is_of_version_4(std::string_view bytes) {
+  constexpr std::size_t kWords = 5;
+  constexpr std::uint32_t kLongestName = 64;
+  if (bytes.size() < kWords * sizeof(std::uint32_t)) return false;
+  const auto number = [&](std::size_t k) { return word(bytes, k * sizeof(std::uint32_t)); };
+  return number(0) == 0 && number(1) > 0 && number(2) > 0 && number(3) <= 1 && number(4) > 0 && number(4) <= kLongestName;
+}
+
 }  // namespace
 
 bool is_mat_file(std::string_view bytes) {
   const std::string_view version = version_of(bytes);
-  return version == kVersion5 || version == kVersion73 || version == kBigEndian5 || bytes.starts_with(kBeginOfVersion4);
+  return version == kVersion5 || version == kVersion73 || version == kBigEndian5 || is_of_version_4(bytes);
 }
 
 Expected<std::string> checked_and_inflated(std::string_view bytes, const std::string& file, std::size_t most) {
   const auto damaged = [&] { return bad_input(fmt::format("{}: a MAT file that is damaged or cut short", file)); };
   if (version_of(bytes) == kVersion73) return bad_input(fmt::format("{}: a MAT file of version 7.3: save it with -v7", file));
   if (version_of(bytes) == kBigEndian5) return bad_input(fmt::format("{}: a MAT file of a big-endian machine", file));
-  if (bytes.starts_with(kBeginOfVersion4)) return bad_input(fmt::format("{}: a MAT file of version 4: save it with -v7", file));
+  if (is_of_version_4(bytes)) return bad_input(fmt::format("{}: a MAT file of version 4: save it with -v7", file));
   if (version_of(bytes) != kVersion5) return bad_input(fmt::format("{}: not a MAT file of version 5, 6 or 7", file));
   std::string plain(bytes.substr(0, kHeaderSize));
   bytes.remove_prefix(kHeaderSize);

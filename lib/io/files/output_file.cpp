@@ -21,10 +21,11 @@ bool is_open_file(const fs::path& path) {
   return !failure && folder.native().starts_with("/proc/");
 }
 
-/// Gives a file the permissions of the one that it replaces, if there is one and the file system has any.
+/// Gives a file the permissions of the one that it replaces, if there is one and the file system has any; its owner may write
+/// it, as a next call does that clears what this one left.
 void take_mode_of(const fs::path& replaced, int descriptor) {
   struct stat status {};
-  if (::stat(replaced.c_str(), &status) == 0) (void)::fchmod(descriptor, status.st_mode & 0777);
+  if (::stat(replaced.c_str(), &status) == 0) (void)::fchmod(descriptor, (status.st_mode & 0777) | S_IWUSR);
 }
 
 }  // namespace

@@ -125,7 +125,7 @@ Fault put_row(double kind, std::uint64_t base, std::uint64_t target, const Vecto
 }  // namespace
 
 Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, const ReadOptions& options) {
-  const auto variables = read_mat(bytes, file, {kVictoriaPark, kDlr, kPosesOfMap});
+  const auto variables = read_mat(bytes, file, {kVictoriaPark, kDlr});
   if (!variables) return tl::unexpected(variables.error());
   if (const auto found = variables->find(kVictoriaPark); found != variables->end()) {
     return log_of(file, kVictoriaPark, found->second, 12, options, add_victoria_park_row);
@@ -135,9 +135,10 @@ Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, c
     return log_of(file, kDlr, found->second, 10, options,
                   [&](TableRow& row, LogBuilder<2>& builder) { add_dlr_row(row, builder, step); });
   }
-  if (variables->contains(kPosesOfMap))
+  if (const auto map = read_mat(bytes, file, {kPosesOfMap}); map && map->contains(kPosesOfMap)) {
     return bad_input_of(file,
                         "is a map for MATLAB and Octave, which is only written; as .g2o, .tum or .csv maps are read, too");
+  }
   return bad_input(fmt::format("{}: holds neither the variable {} nor {}", file, kVictoriaPark, kDlr));
 }
 

@@ -14,7 +14,7 @@ inline std::string lines_of(std::string_view tag) {
   return shortened(tag) + " lines";
 }
 
-/// Counts the lines of all tags but the first twenty as "other lines".
+/// Counts the lines of all tags but the first twenty, by their names, as "other lines".
 inline void count_others_together(SkipCounts& skipped) {
   constexpr int kMostTags = 20;
   int tags = 0;

@@ -106,10 +106,10 @@ std::int64_t read_time(TextScanner& text) {
   const std::string_view word = text.word();
   const auto stamp = nanoseconds(word);
   std::int64_t number = 0;
-  const bool is_in_nanoseconds = !stamp && parse(word, number);
+  const bool is_too_large = !stamp && parse(word, number);
   if (!stamp)
     text.reject(fmt::format("a time in seconds is expected, not {}{}", in_quotes(word),
-                            is_in_nanoseconds ? ", which may be in nanoseconds" : ""));
+                            is_too_large ? ", which is too large for seconds: divide what is in smaller units" : ""));
   return stamp.value_or(0);
 }
 

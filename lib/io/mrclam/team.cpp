@@ -43,7 +43,7 @@ Expected<void> read_lines(const fs::path& path, const Read& read) {
 }
 
 /// Reads a time (s), bounded so that its nanoseconds fit into 64 bits.
-double read_time(TextScanner& text) {
+double read_seconds(TextScanner& text) {
   constexpr double kMost = 9e9;
   const double time = text.number();
   if (std::abs(time) > kMost) text.reject("a time must be below 9e9 s");
@@ -62,7 +62,7 @@ Expected<std::vector<Line>> read_timed(const fs::path& path, const Read& read) {
 
 Expected<std::vector<Velocity>> read_odometry(const fs::path& path) {
   return read_timed<Velocity>(path, [](TextScanner& text) {
-    const double time = read_time(text);
+    const double time = read_seconds(text);
     const Vector<2> v = text.vector<2>();
     if (v.cwiseAbs().maxCoeff() > kMostSpeed) text.reject("a velocity must be below 1e6 m/s or rad/s");
     return Velocity{time, v[0], v[1]};
@@ -72,7 +72,7 @@ Expected<std::vector<Velocity>> read_odometry(const fs::path& path) {
 Expected<std::vector<BarcodeSighting>> read_sightings(const fs::path& path) {
   return read_timed<BarcodeSighting>(path, [](TextScanner& text) {
     BarcodeSighting seen;
-    seen.time = read_time(text);
+    seen.time = read_seconds(text);
     seen.barcode = text.key();
     seen.range = text.number();
     if (!(seen.range > kLeastRange && seen.range < kMostRange)) text.reject("a range must be from 1e-6 to 1e6 m");

@@ -123,7 +123,8 @@ TEST_F(StampsTest, AreRefusedWhereTheyDoNotFit) {
   EXPECT_THAT(message("1 1\n2 2\n1 1\n"), EndsWith(":3:1: pose 1 has two times; keep one"));
   EXPECT_THAT(message("1 1\nx 2\n"), EndsWith(":2:1: 'x' stands where an id is expected"));
   EXPECT_THAT(message("1 noon\n"), EndsWith(":1:3: a time in seconds is expected, not 'noon'"));
-  EXPECT_THAT(message("1 1403636579763555584\n"), EndsWith("not '1403636579763555584', which may be in nanoseconds"));
+  EXPECT_THAT(message("1 1403636579763555584\n"),
+              EndsWith("not '1403636579763555584', which is too large for seconds: divide what is in smaller units"));
   EXPECT_THAT(message("1 1\n2\n"), EndsWith(":2:2: a time in seconds is expected, not ''"));
   for (const std::string no_time : {".", "-", "-."}) {
     EXPECT_THAT(message("1 " + no_time + "\n"), EndsWith(":1:3: a time in seconds is expected, not '" + no_time + "'"));
