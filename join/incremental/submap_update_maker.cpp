@@ -72,7 +72,10 @@ Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window
   const auto mention = [&](const PoseId& id) {
     if (const auto pose = find_ascending(window.log.poses, id)) elsewhere[PoseIndex(*pose)] = true;
   };
-  for (const Edge& closure : closures_) mention(closure.base), mention(closure.target);
+  for (const Edge& closure : closures_) {
+    mention(closure.base);
+    mention(closure.target);
+  }
   for (const PosePrior& of : pose_priors_) mention(of.pose);
   window.split = split(window.log, split_, elsewhere);
   auto& segments = window.split.segments;
