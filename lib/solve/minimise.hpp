@@ -176,10 +176,16 @@ class Steps {
   bool is_curved_ = false;  // true if H is, once it is factorised, that of full Newton
 };
 
-/// Ends damped steps with an undamped factorisation and its step, so that convergence is judged as by every other method, and
-/// singular variables that damping hides are found.
+/// The steps of a method that measures their lengths.
 template <LeastSquaresProblem P>
-MinimiseResult without_damping(P& problem, const MinimiseOptions& options, MinimiseResult result) {
+MinimiseResult steps_of(P& problem, const MinimiseOptions& options, const std::stop_token& stop) {
+  return Steps([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop).all();
+}
+
+/// Ends damped steps with an undamped factorisation and its step, so that convergence is judged as by every other method, and
+/// singular variables that damping hides are found. Where that step promises more, and steps are left, dogleg goes on.
+template <LeastSquaresProblem P>
+MinimiseResult without_damping(P& problem, MinimiseOptions options, const std::stop_token& stop, MinimiseResult result) {
   if (result.status == MinimiseStatus::kSingular || result.status == MinimiseStatus::kInterrupted) return result;
   if (!std::isfinite(problem.linearise())) return result;
   result.singular = problem.factorise(0.0);
@@ -187,9 +193,16 @@ MinimiseResult without_damping(P& problem, const MinimiseOptions& options, Minim
   if (result.singular) return result.ended(MinimiseStatus::kSingular);
   const ModelStep step = newton_step(problem, 0.0, Unmeasured{});
   const bool converged = options.is_converged(step.decrease, result.chi2) || is_tiny(problem.step_size(step.v), options);
+  const bool may_go_on = result.iterations < options.max_iterations;
+  if (!converged && may_go_on) {
+    options.method = Method::kDogleg;
+    options.max_iterations -= result.iterations;
+    result.append(steps_of(problem, options, stop));
+    return result;
+  }
   if (!converged) return result.status == MinimiseStatus::kConverged ? result.ended(MinimiseStatus::kNoProgress) : result;
   const double chi2 = problem.try_step(step.v);
-  if (chi2 <= result.chi2 && result.iterations < options.max_iterations) {
+  if (chi2 <= result.chi2 && may_go_on) {
     problem.accept();
     result.moved_to(chi2);
   }
@@ -204,9 +217,9 @@ template <LeastSquaresProblem P>
 MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::stop_token& stop = {}) {
   const bool is_plain = options.method == Method::kGaussNewton && !options.damp_singular;
   if (is_plain) return detail::Steps([] { return Unmeasured{}; }, problem, options, stop).all();
-  auto result = detail::Steps([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop).all();
+  auto result = detail::steps_of(problem, options, stop);
   if (options.method != Method::kLevenbergMarquardt || options.damp_singular) return result;
-  return detail::without_damping(problem, options, std::move(result));
+  return detail::without_damping(problem, options, stop, std::move(result));
 }
 
 }  // namespace mapjoin
