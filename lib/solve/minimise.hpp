@@ -93,8 +93,14 @@ bool factorise_curved(P& problem, int& factorisations) {
   return false;
 }
 
-inline bool is_tiny(const StepSize& size, const MinimiseOptions& options) {
-  return size.metres <= options.step_metres && size.radians <= options.step_radians;
+/// True if a step moves and turns next to nothing. A problem whose positions have digits to lose says what their rounding()
+/// hides.
+template <LeastSquaresProblem P>
+bool is_tiny(P& problem, const Eigen::VectorXd& step, const MinimiseOptions& options) {
+  double metres = options.step_metres;
+  if constexpr (requires { problem.rounding(); }) metres = std::max(metres, problem.rounding());
+  const StepSize size = problem.step_size(step);
+  return size.metres <= metres && size.radians <= options.step_radians;
 }
 
 /// The steps of minimise(). Their metric, metric_of(), is asked for once an estimate, before H is made full Newton's.
@@ -145,7 +151,7 @@ class Steps {
 
   std::optional<MinimiseStatus> tried(const Eigen::VectorXd& step) {
     if (!region_.is_finite()) return MinimiseStatus::kNoProgress;
-    const bool is_tiny = detail::is_tiny(problem_.step_size(step), options_);
+    const bool is_tiny = detail::is_tiny(problem_, step, options_);
     const bool is_last = is_tiny || region_.promise() <= options_.relative_chi2 * result_.chi2 ||
                          region_.predicted_decrease() <= kRounding * result_.chi2;
     const double chi2 = problem_.try_step(step);
@@ -192,7 +198,7 @@ MinimiseResult without_damping(P& problem, MinimiseOptions options, const std::s
   ++result.factorisations;
   if (result.singular) return result.ended(MinimiseStatus::kSingular);
   const ModelStep step = newton_step(problem, 0.0, Unmeasured{});
-  const bool converged = options.is_converged(step.decrease, result.chi2) || is_tiny(problem.step_size(step.v), options);
+  const bool converged = options.is_converged(step.decrease, result.chi2) || is_tiny(problem, step.v, options);
   const bool may_go_on = result.iterations < options.max_iterations;
   if (!converged && may_go_on) {
     options.method = Method::kDogleg;
