@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/model/cost.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -125,6 +126,14 @@ template <int Dim>
 double JoiningSystem<Dim>::try_state(Values<Dim> candidate) {
   candidate_ = std::move(candidate);
   return chi2(candidate_);
+}
+
+template <int Dim>
+double JoiningSystem<Dim>::rounding() const {
+  double largest = 0.0;
+  for (const Pose<Dim>& pose : estimate().poses) largest = std::max(largest, pose.translation.cwiseAbs().maxCoeff());
+  for (const Point<Dim>& feature : estimate().features) largest = std::max(largest, feature.cwiseAbs().maxCoeff());
+  return 16.0 * std::numeric_limits<double>::epsilon() * largest;
 }
 
 template class JoiningSystem<2>;

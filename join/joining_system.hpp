@@ -36,6 +36,8 @@ class JoiningSystem {
   std::optional<Variable> factorise(double damping) { return equations_.factorise(damping); }
   Eigen::VectorXd solve() const { return equations_.solve(gradient()); }
   StepSize step_size(const Eigen::VectorXd& step) const { return variables_.step_size(step); }
+  /// The moves (m) that the rounding of the largest coordinate hides.
+  double rounding() const;
   double try_step(const Eigen::VectorXd& step) { return try_state(variables_.retracted(estimate_, step)); }
   /// The chi2 of a state, which becomes the candidate.
   double try_state(Values<Dim> candidate);

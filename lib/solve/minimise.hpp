@@ -93,8 +93,14 @@ bool factorise_curved(P& problem, int& factorisations) {
   return false;
 }
 
-inline bool is_tiny(const StepSize& size, const MinimiseOptions& options) {
-  return size.metres <= options.step_metres && size.radians <= options.step_radians;
+/// True if a step moves and turns next to nothing. A problem whose positions have digits to lose says what their rounding()
+/// hides.
+template <LeastSquaresProblem P>
+bool is_tiny(P& problem, const Eigen::VectorXd& step, const MinimiseOptions& options) {
+  double metres = options.step_metres;
+  if constexpr (requires { problem.rounding(); }) metres = std::max(metres, problem.rounding());
+  const StepSize size = problem.step_size(step);
+  return size.metres <= metres && size.radians <= options.step_radians;
 }
 
 /// The steps of minimise(). Their metric, metric_of(), is asked for once an estimate, before H is made full Newton's.
@@ -145,7 +151,7 @@ class Steps {
 
   std::optional<MinimiseStatus> tried(const Eigen::VectorXd& step) {
     if (!region_.is_finite()) return MinimiseStatus::kNoProgress;
-    const bool is_tiny = detail::is_tiny(problem_.step_size(step), options_);
+    const bool is_tiny = detail::is_tiny(problem_, step, options_);
     const bool is_last = is_tiny || region_.promise() <= options_.relative_chi2 * result_.chi2 ||
                          region_.predicted_decrease() <= kRounding * result_.chi2;
     const double chi2 = problem_.try_step(step);
@@ -176,20 +182,33 @@ class Steps {
   bool is_curved_ = false;  // true if H is, once it is factorised, that of full Newton
 };
 
-/// Ends damped steps with an undamped factorisation and its step, so that convergence is judged as by every other method, and
-/// singular variables that damping hides are found.
+/// The steps of a method that measures their lengths.
 template <LeastSquaresProblem P>
-MinimiseResult without_damping(P& problem, const MinimiseOptions& options, MinimiseResult result) {
+MinimiseResult steps_of(P& problem, const MinimiseOptions& options, const std::stop_token& stop) {
+  return Steps([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop).all();
+}
+
+/// Ends damped steps with an undamped factorisation and its step, so that convergence is judged as by every other method, and
+/// singular variables that damping hides are found. Where that step promises more, and steps are left, dogleg goes on.
+template <LeastSquaresProblem P>
+MinimiseResult without_damping(P& problem, MinimiseOptions options, const std::stop_token& stop, MinimiseResult result) {
   if (result.status == MinimiseStatus::kSingular || result.status == MinimiseStatus::kInterrupted) return result;
   if (!std::isfinite(problem.linearise())) return result;
   result.singular = problem.factorise(0.0);
   ++result.factorisations;
   if (result.singular) return result.ended(MinimiseStatus::kSingular);
   const ModelStep step = newton_step(problem, 0.0, Unmeasured{});
-  const bool converged = options.is_converged(step.decrease, result.chi2) || is_tiny(problem.step_size(step.v), options);
+  const bool converged = options.is_converged(step.decrease, result.chi2) || is_tiny(problem, step.v, options);
+  const bool may_go_on = result.iterations < options.max_iterations;
+  if (!converged && may_go_on) {
+    options.method = Method::kDogleg;
+    options.max_iterations -= result.iterations;
+    result.append(steps_of(problem, options, stop));
+    return result;
+  }
   if (!converged) return result.status == MinimiseStatus::kConverged ? result.ended(MinimiseStatus::kNoProgress) : result;
   const double chi2 = problem.try_step(step.v);
-  if (chi2 <= result.chi2 && result.iterations < options.max_iterations) {
+  if (chi2 <= result.chi2 && may_go_on) {
     problem.accept();
     result.moved_to(chi2);
   }
@@ -204,9 +223,9 @@ template <LeastSquaresProblem P>
 MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::stop_token& stop = {}) {
   const bool is_plain = options.method == Method::kGaussNewton && !options.damp_singular;
   if (is_plain) return detail::Steps([] { return Unmeasured{}; }, problem, options, stop).all();
-  auto result = detail::Steps([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop).all();
+  auto result = detail::steps_of(problem, options, stop);
   if (options.method != Method::kLevenbergMarquardt || options.damp_singular) return result;
-  return detail::without_damping(problem, options, std::move(result));
+  return detail::without_damping(problem, options, stop, std::move(result));
 }
 
 }  // namespace mapjoin

@@ -48,6 +48,21 @@ TYPED_TEST(RunLimitsTest, NumbersTooLargeForAFiniteChi2AreBadInput) {
   }
 }
 
+/// Ten thousand kilometres from the origin, where positions are rounded to nanometres, by the size of the noise.
+TYPED_TEST(RunLimitsTest, ALogFarFromTheOriginConverges) {
+  constexpr int kDim = TypeParam::value;
+  auto world = testing::small_world<kDim>({.poses = 60, .features = 20, .closures = 12, .noise = 1e-5});
+  for (auto& edge : world.log.graph.pose_factors) edge.information = 1e10 * PoseMatrix<kDim>::Identity();
+  for (auto& seen : world.log.graph.feature_factors) seen.information = 1e10 * PointMatrix<kDim>::Identity();
+  const double at_origin = run(world.log, {}).value().chi2;
+  Pose<kDim> far;
+  far.translation.setConstant(1e7);
+  world.log.graph.fixed = {{0, far}};
+  const auto result = run(world.log, {}).value();
+  EXPECT_TRUE(result.converged());
+  EXPECT_NEAR(result.chi2, at_origin, 1e-3 * at_origin);
+}
+
 TYPED_TEST(RunLimitsTest, ASplitThatIsNotOfTheLogIsBadInput) {
   const auto world = small_world<TestFixture::kDim>();
   Split parts = split(world.log, this->short_maps().split);

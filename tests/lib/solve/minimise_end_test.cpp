@@ -104,6 +104,27 @@ TEST(MinimiseEnd, LevenbergMarquardtEndsWithAnUndampedStep) {
   EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-9);
 }
 
+/// A problem in which the steps of damped systems lead uphill.
+struct DampedUphill : DenseProblem {
+  using DenseProblem::DenseProblem;
+  std::optional<Variable> factorise(double damping) {
+    is_damped = damping > 0.0;
+    return DenseProblem::factorise(damping);
+  }
+  Eigen::VectorXd solve() const { return (is_damped ? -1.0 : 1.0) * DenseProblem::solve(); }
+  bool is_damped = false;
+};
+
+TEST(MinimiseEnd, DoglegGoesOnWhereLevenbergMarquardtMakesNoProgress) {
+  DampedUphill problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
+  const MinimiseOptions options = to_the_end(Method::kLevenbergMarquardt);
+  const MinimiseResult result = minimise(problem, options);
+  EXPECT_EQ(result.status, MinimiseStatus::kConverged);
+  EXPECT_LE(result.iterations, options.max_iterations);
+  EXPECT_EQ(result.factorisations, problem.factorisations);
+  EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-6);
+}
+
 /// A problem whose system is singular unless it is damped by a thousandth.
 struct StubbornProblem : DenseProblem {
   using DenseProblem::DenseProblem;
