@@ -211,7 +211,7 @@ TEST(AutoSchedule, KeepsTheBestMapWhereNoneFits) {
   for (auto& o : world.log.graph.pose_factors) o.information *= 100.0;
   for (auto& o : world.log.graph.feature_factors) o.information *= 100.0;
   const auto found = run(world.log, RunOptions{}).value();
-  EXPECT_GT(found.join.chi2, 2.0 * static_cast<double>(found.join_dof));
+  EXPECT_GT(found.join.chi2, 2.0 * static_cast<double>(found.join.dof));
   for (const auto schedule : {Schedule::kAligned, Schedule::kTree, Schedule::kUnbalanced}) {
     EXPECT_LE(found.chi2, map_by(schedule, world).chi2 * (1.0 + 1e-6)) << to_string(schedule);
   }

@@ -69,10 +69,10 @@ TEST(Run, CountsTheRowsOfMapsThatHangSoftlyOnTheirBase) {
   auto log = std::get<Log<2>>(open_log(testing::kBundledData / "manhattan2d.g2o").value());
   RunOptions options;
   options.split = {SplitRule::kPoses, 20.0};
-  const auto dof = run(log, options).value().join_dof;
+  const auto dof = run(log, options).value().join.dof;
   for (auto& edge : log.graph.pose_factors) edge.information *= 1e-4;
   for (auto& observation : log.graph.feature_factors) observation.information *= 1e6;
-  EXPECT_EQ(run(log, options).value().join_dof, dof);
+  EXPECT_EQ(run(log, options).value().join.dof, dof);
 }
 
 TYPED_TEST(RunTest, EndsAtTheFullSlamOptimumForMapsOfAnyLength) {
