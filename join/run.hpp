@@ -75,8 +75,8 @@ struct RunFigures {
   std::size_t raw_segments = 0;  ///< Segments that stayed observations.
   int poses_per_map = 0;         ///< Steps per map as chosen; 0 if the rule does not count poses.
   std::int64_t build_iterations = 0;
-  JoinResult join;              ///< Last solve of the join; `is_confirmed` is of the final map.
-  std::vector<PathPoint> path;  ///< Path to the start of the join; empty if none was followed.
+  JoinResult join;                       ///< Last solve of the join; `is_confirmed` is of the final map.
+  std::vector<PathPoint> path;           ///< Path to the start of the join; empty if none was followed.
   std::vector<MapFit> maps;              ///< Fit of each local map in the join.
   std::optional<double> recovered_chi2;  ///< chi2 of the whole log before polishing; nullopt without a log.
   std::size_t unrecovered = 0;           ///< Segments whose interior did not converge in the recovery; polishing cures them.

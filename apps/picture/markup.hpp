@@ -9,8 +9,8 @@
 
 namespace mapjoin::apps {
 
-/// The text with the characters that markup is made of, &, <, > and ", as entities, and with U+FFFD for each byte that is not of
-/// a character in UTF-8, as file names may have, and for each control character of ASCII but tab and newline.
+/// The text with the characters that markup is made of, &, <, > and ", as entities, and with U+FFFD for each byte that is not
+/// of a character in UTF-8, as file names may have, and for each control character of ASCII but tab and newline.
 std::string escaped(std::string_view text);
 
 /// A whole HTML page; well-formed XML if its body is.

@@ -23,7 +23,8 @@ struct Session {
   PoseIndex end = 0;
 };
 
-/// The sessions of poses that no odometry ties, by their names: those of one robot, one after the other, are taken for its path.
+/// The sessions of poses that no odometry ties, by their names: those of one robot, one after the other, are taken for its
+/// path.
 std::vector<Session> sessions_by_name(const PoseIds& poses);
 
 /// Counts of what a reader left out, by kind: "EQUIV lines", "self-edges".

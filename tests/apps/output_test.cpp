@@ -87,7 +87,8 @@ TEST_F(Output, AnExtensionThatNoMapHasIsRefused) {
       EXPECT_FALSE(fs::exists(path(name)));
     }
   }
-  expect_failure(call({"solve", kBundledLog, "-o", path("new/")}), 2, "new/ is a folder, as `mapjoin run` writes a map; name a file");
+  expect_failure(call({"solve", kBundledLog, "-o", path("new/")}), 2,
+                 "new/ is a folder, as `mapjoin run` writes a map; name a file");
   for (const std::string name : {"log.g2o.gz", "log.csv"}) {
     expect_failure(call({"simulate", "--poses", "9", "-o", path(name)}), 2, "the log is written in g2o, and " + path(name));
   }

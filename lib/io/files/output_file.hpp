@@ -21,7 +21,8 @@ bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b
 
 /// An output file. Bytes go to `name.mapjoin-tmp` beside it, which takes the name on commit() and is otherwise removed; the
 /// next writer of the file clears what a killed process left there. Devices, pipes and open files (/dev/stdout, behind their
-/// content) are written to directly. A link stays a link, and a file that is replaced hands on its permissions, but for its owner's to write. Buffered.
+/// content) are written to directly. A link stays a link. A file that is replaced hands on its permissions, to which the
+/// owner's to write it is added. Buffered.
 class OutputFile {
  public:
   /// Opens an output file; kCannotWrite if it cannot be made or another process is writing it.
