@@ -13,7 +13,7 @@ namespace {
 
 using Points = std::vector<Point<2>>;
 
-const Points kTrees = {{0.0, 0.0}, {1.6, 0.3}, {3.9, -0.4}, {5.2, 2.8}, {1.1, 4.7}, {7.9, 1.2}};
+const Points kSeenTogether = {{0.0, 0.0}, {1.6, 0.3}, {3.9, -0.4}, {5.2, 2.8}, {1.1, 4.7}, {7.9, 1.2}};
 
 TEST(NeighbourDensityTest, IsThatOfANormalDistribution) {
   Points grid;
@@ -86,7 +86,7 @@ TEST(NeighbourDensityTest, IsFiniteWhereNothingIsKnownOfTheThicknessOfWhatLiesOn
 }
 
 TEST(NeighbourDensityTest, DoesNotDependOnNoiseThatIsSmallerThanWhatThePointsFill) {
-  const std::vector<Points> sets = {kTrees};
+  const std::vector<Points> sets = {kSeenTogether};
   EXPECT_EQ(NeighbourDensity<2>(sets, 0.1 * PointMatrix<2>::Identity()).overall(), NeighbourDensity<2>(sets).overall());
 }
 
@@ -105,7 +105,7 @@ TEST(NeighbourDensityTest, KnowsASampleOfTheDistancesOfManySets) {
 }
 
 TEST(NeighbourDensityTest, IsAsManyTimesHigherAsTheOverallOne) {
-  const std::vector<Points> sets = {kTrees};
+  const std::vector<Points> sets = {kSeenTogether};
   const NeighbourDensity<2> seen(sets);
   NeighbourDensity<2> around(sets);
   around.set_overall(3.0 * seen.overall());
@@ -117,9 +117,9 @@ TEST(NeighbourDensityTest, IsAsManyTimesHigherAsTheOverallOne) {
 }
 
 TEST(NeighbourDensityTest, LearnsNoDistancesFromWhatIsSeenAlone) {
-  std::vector<Points> sets = {kTrees};
+  std::vector<Points> sets = {kSeenTogether};
   const NeighbourDensity<2> together(sets);
-  for (const auto& p : kTrees) sets.push_back({p});
+  for (const auto& p : kSeenTogether) sets.push_back({p});
   const NeighbourDensity<2> and_alone(sets);
   for (const double distance : {0.5, 1.7, 3.0}) {
     EXPECT_DOUBLE_EQ(and_alone.log_within(distance * distance, 0.0), together.log_within(distance * distance, 0.0)) << distance;
