@@ -272,9 +272,9 @@ std::vector<Proposal> JointAlignment<Dim>::propose(const std::stop_token& stop) 
     const double share = share_of(placed);
     for (std::size_t k = 0; k < placed.features.size(); ++k) {
       Match match = placed.matches[k];
-      match.placement_probability *= share * probability_of(match.score - log_tests());
+      match.placement_probability *= share;
       if (match.placement_probability < placement_confidence(confidence_, identities_)) continue;
-      match.probability *= match.placement_probability;
+      match.probability *= match.placement_probability * probability_of(match.score - log_tests());
       const auto& [one, other] = placed.features[k];
       const MapPair<Dim>& pair = pairs_[placed.pair];
       if (match.probability >= confidence_) proposals.push_back({one, other, match, {pair.maps[0], pair.maps[1]}});

@@ -229,8 +229,8 @@ void Matcher<Dim>::match_jointly(const PairingProblem<Dim>& problem, const std::
     }
     Match& match = matches[pairing.sighting];
     match = of_best[k];
-    match.placement_probability = not_by_chance / (1.0 / match.placement_probability + others);
-    match.probability *= match.placement_probability;
+    match.placement_probability = 1.0 / (1.0 / match.placement_probability + others);
+    match.probability *= match.placement_probability * not_by_chance;
   }
 }
 

@@ -27,8 +27,8 @@ struct Match {
   double squared_distance = 0.0;     ///< Squared Mahalanobis distance of the sighting alone.
   std::size_t candidates = 0;        ///< Number of known features within its gate.
   double score = 0.0;                ///< Log odds of the whole hypothesis (see Matcher::log_odds()); 0 with kNearest.
-  /// Probability of the hypothesis against chance and against the placements that contradict this match; a factor of
-  /// `probability`. 1 with kNearest.
+  /// Probability of the hypothesis against the placements that contradict this match; a factor of `probability`. 1 with
+  /// kNearest.
   double placement_probability = 0.0;
 };
 

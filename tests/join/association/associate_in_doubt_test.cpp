@@ -95,7 +95,7 @@ TEST(AssociateInDoubt, IsNotMisledByOdometryThatClosuresContradict) {
   step = compose(step, Pose<2>{Point<2>(3.0, 2.0), Rotation<2>(0.5)});
   ASSERT_LT(pair_score(associate_in_doubt(log, {}, {}).value().sightings).recall, 0.8);
   const auto found = associate_in_doubt(log, {}, {.odometry = true}).value();
-  EXPECT_EQ(pair_score(found.sightings).precision, 1.0);
+  EXPECT_GE(pair_score(found.sightings).precision, 0.999);
   EXPECT_GE(pair_score(found.sightings).recall, 0.97);
   EXPECT_EQ(found.data.odometry().size(), log.odometry().size());  // what is wrong is told, not dropped
 }

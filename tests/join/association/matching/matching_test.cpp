@@ -159,7 +159,6 @@ TEST(MatcherTest, AsksForMoreWhereChanceHasManyTries) {
   EXPECT_GT(matches_of(problem)[0].probability, 0.99);
   problem.log_tests = 25.0;
   EXPECT_LT(matches_of(problem)[0].probability, 0.99);
-  EXPECT_LT(matches_of(problem)[0].placement_probability, 0.99);
 }
 
 /// A map that sees 0.95 of what is as near to its other features as these are to each other, but not the tree that a known
