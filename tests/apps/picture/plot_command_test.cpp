@@ -208,6 +208,7 @@ TEST_F(Plot, TheCovariancesOfATableOfPosesAreDrawnAndOfATrajectoryNot) {
 TEST_F(Plot, AFolderThatLostItsNamesIsDrawnWithoutLocalMapsAndSaysSo) {
   ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--quiet"}).exit_code, 0);
   std::filesystem::remove(path("run/poses.csv"));
+  std::filesystem::remove(path("run/features.csv"));
   const Ended ended = call({"plot", path("run"), "-o", path("plot.svg")});
   EXPECT_EQ(ended.exit_code, 0);
   EXPECT_THAT(ended.out, HasSubstr("0 local maps"));
