@@ -17,8 +17,9 @@
 
 namespace mapjoin {
 
-/// The schedules that kAuto tries, in the order of cost, until the map is settled: by a solve as good as linear or, for the
-/// first and cheapest, one that began near its optimum; otherwise two must end at the same optimum, one of them from near by.
+/// The schedules that kAuto tries, in the order of cost, until the map is settled: by a solve that kept its promises or, for
+/// the first and cheapest, one that began near its optimum; otherwise two must end at the same optimum, one of them from near
+/// by.
 inline constexpr std::array kWays = {Schedule::kAligned, Schedule::kTree, Schedule::kUnbalanced};
 
 /// The largest rotation of a pose from one state to another (rad).

@@ -54,8 +54,7 @@ void say_unwritten(const Options& options) {
 /// Says where a trajectory of one file mixes several sessions.
 template <int Dim>
 void say_sessions(const GlobalMap<Dim>& map, const std::filesystem::path& output) {
-  const auto is_of_another = [&](const PoseId& id) { return id.session != map.pose_ids.front().session; };
-  if (extension_of(output) != ".tum" || std::ranges::none_of(map.pose_ids, is_of_another)) return;
+  if (extension_of(output) != ".tum" || sessions_by_name(map.pose_ids).size() < 2) return;
   say(fmt::format(
       "{}: has the poses of several sessions one after the other, and does not say of which each is; `mapjoin run -o DIR` "
       "writes a trajectory of each, too",

@@ -76,9 +76,8 @@ bool knows_in_first_session(const TruthFile& truth, const GlobalMap<Dim>& map) {
 /// Why nothing can be measured: the truth has no pose of the map.
 std::string why_nothing(const AnyMap& map, const TruthFile& truth) {
   if (std::visit([&](const auto& any) { return knows_in_first_session(truth, any); }, map)) {
-    return "names the poses of the map in session 0, and the map in others; a table whose column session says of which session "
-           "each "
-           "pose is matches them";
+    return "names the poses of the map in session 0, and the map in others; a table whose column session says of which "
+           "session each pose is matches them";
   }
   if (std::visit([](const auto& any) { return !any.stamps_ns.empty(); }, map)) {
     return "has no pose of the map, neither by name nor by time; --max-time-difference widens the match of times";

@@ -61,8 +61,8 @@ std::vector<TestedPart> parts_of(const System<Dim>& system, std::size_t factors,
   return parts;
 }
 
-/// Solves for closures and priors that others hardly confirm, as one alone may close a long loop, and for whatever else is
-/// confirmed by less than rounding shows.
+/// Solves for closures and priors that others hardly confirm, as one alone may close a long loop, and for observations and
+/// odometry that are confirmed by less than rounding shows.
 template <int Dim>
 void solve_for_weak(LeaveOneOut<Dim>& leave_one_out, const std::vector<TestedPart>& parts, const std::stop_token& stop) {
   std::vector<std::size_t> factors;

@@ -10,9 +10,7 @@ namespace mapjoin {
 
 template <int Dim>
 PoseVector<Dim> weak_information(const Log<Dim>& log) {
-  const double extent = OdometryChain<Dim>(log).extent();
-  PoseVector<Dim> weak = PoseVector<Dim>::Constant(1.0 / kSquaredTurn);
-  weak.template head<Dim>().setConstant(1.0 / (extent * extent));
+  PoseVector<Dim> weak = information_within<Dim>(OdometryChain<Dim>(log).extent());
   for (int row = 0; row < kPoseDof<Dim>; ++row) {
     std::vector<double> measured;
     for (const PoseFactor<Dim>& edge : log.edges()) {

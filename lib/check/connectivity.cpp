@@ -24,29 +24,33 @@ bool do_parts_have_features(const LogOrSet& tied, const std::vector<Edge>& ties)
   return std::ranges::any_of(indices(tied.features), is_elsewhere);
 }
 
-/// Bad input if nothing ties a feature; the remedy follows.
-Expected<void> check_observed(const Names& names, const Graph& graph, const char* remedy) {
-  const TieVertices of = vertices_of(names);
-  for (const FeatureIndex f : indices(names.features)) {
-    if (out_degree(static_cast<Vertex>(of.feature(f)), graph) > 0) continue;
-    return bad_input(fmt::format("{}: {} is never observed{}", names.source, to_string(names.features[f]), remedy));
-  }
-  return {};
-}
+/// What ends the sentence of a feature that nothing ties, and that of parts that nothing ties together.
+struct Advice {
+  std::string unobserved;
+  std::string apart;
+};
 
-}  // namespace
-
-Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice) {
+Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const Advice& advice) {
   constexpr std::ptrdiff_t kNamed = 3;
   if (names.poses.empty()) return bad_input_of(names.source, "there are no poses");
-  const Graph graph = make_graph(vertices_of(names).size(), ties);
-  if (auto observed = check_observed(names, graph, ""); !observed) return observed;
+  const TieVertices of = vertices_of(names);
+  const Graph graph = make_graph(of.size(), ties);
+  for (const FeatureIndex f : indices(names.features)) {
+    if (out_degree(static_cast<Vertex>(of.feature(f)), graph) > 0) continue;
+    return bad_input(fmt::format("{}: {} is never observed{}", names.source, to_string(names.features[f]), advice.unobserved));
+  }
   std::vector<std::string> roots;
   for (const std::size_t root : component_roots(graph)) roots.push_back(name_of(root, names));
   if (roots.size() <= 1) return {};
   const auto named = roots.begin() + std::min(std::ssize(roots), kNamed);
   return bad_input(fmt::format("{}: nothing ties its {} parts together; they hold {}{}{}", names.source, roots.size(),
-                               fmt::join(roots.begin(), named, ", "), named != roots.end() ? ", …" : "", advice));
+                               fmt::join(roots.begin(), named, ", "), named != roots.end() ? ", …" : "", advice.apart));
+}
+
+}  // namespace
+
+Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice) {
+  return check_tied(names, ties, Advice{"", advice});
 }
 
 template <typename LogOrSet>
@@ -61,14 +65,10 @@ Expected<void> check_connected(const LogOrSet& tied) {
   const Names names{tied.source, tied.poses, tied.features};
   const std::vector<Edge> ties = ties_of(tied);
   if (check_tied(names, ties, "")) return {};
-  if constexpr (kIsLog) {
-    const Graph graph = make_graph(vertices_of(names).size(), ties);
-    auto observed = check_observed(names, graph, "; --parts largest leaves such features out");
-    if (!observed) return observed;
-  }
   const std::string associate = do_parts_have_features(tied, ties) ? "; --associate ties them by features that they share" : "";
   return check_tied(names, ties,
-                    associate + (kIsLog ? "; --parts largest takes the largest, --parts all makes a map of each" : ""));
+                    Advice{kIsLog ? "; --parts largest leaves such features out" : "",
+                           associate + (kIsLog ? "; --parts largest takes the largest, --parts all makes a map of each" : "")});
 }
 
 template <int Dim>

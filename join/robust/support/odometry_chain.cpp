@@ -49,11 +49,16 @@ UncertainPose<Dim> inverse(const UncertainPose<Dim>& a) {
 }
 
 template <int Dim>
+PoseVector<Dim> information_within(double extent) {
+  PoseVector<Dim> information = PoseVector<Dim>::Constant(1.0 / kSquaredTurn);
+  information.template head<Dim>().setConstant(1.0 / (extent * extent));
+  return information;
+}
+
+template <int Dim>
 PoseFactor<Dim> completed(PoseFactor<Dim> edge, double extent) {
   if (information_rank(edge.information) == kPoseDof<Dim>) return edge;
-  auto diagonal = edge.information.diagonal();
-  diagonal.template head<Dim>().array() += 1.0 / (extent * extent);
-  diagonal.template tail<kRotationDof<Dim>>().array() += 1.0 / kSquaredTurn;
+  edge.information.diagonal() += information_within<Dim>(extent);
   return edge;
 }
 
@@ -125,6 +130,7 @@ double OdometryChain<Dim>::extent() const {
   template PoseMatrix<Dim> adjoint(const Pose<Dim>&);                                        \
   template UncertainPose<Dim> compose(const UncertainPose<Dim>&, const UncertainPose<Dim>&); \
   template UncertainPose<Dim> inverse(const UncertainPose<Dim>&);                            \
+  template PoseVector<Dim> information_within<Dim>(double);                                  \
   template PoseFactor<Dim> completed(PoseFactor<Dim>, double);                               \
   template UncertainPose<Dim> uncertain(const PoseFactor<Dim>&);                             \
   template UncertainPose<Dim> forwards(const PoseFactor<Dim>&);                              \

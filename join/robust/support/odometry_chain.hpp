@@ -46,8 +46,10 @@ Matrix<Size> covariance_of(const Matrix<Size>& information) {
   W.diagonal().array() += kLeastInformation * added;
   return W.llt().solve(Matrix<Size>::Identity());
 }
-/// An edge that measures only part of a relative pose, with the knowledge added that its poses are some `extent` (m) apart and
-/// some turn: as good as nothing within the map, but in its own units. Other edges as they are.
+/// The information that poses are some `extent` (m) apart and some turn: as good as nothing within the map, but in its units.
+template <int Dim>
+PoseVector<Dim> information_within(double extent);
+/// An edge that measures only part of a relative pose, with information_within() an extent (m) added. Other edges as they are.
 template <int Dim>
 PoseFactor<Dim> completed(PoseFactor<Dim> edge, double extent);
 /// The relative pose that an observation measures, with its covariance.
