@@ -68,7 +68,7 @@ TYPED_TEST(RunLimitsTest, ASplitThatIsNotOfTheLogIsBadInput) {
   Split parts = split(world.log, this->short_maps().split);
   const auto maps = build_local_maps(world.log, parts, {}).value().maps;
   ASSERT_TRUE(run_from_maps(world.log, parts, maps, RunOptions{}));
-  for (const std::size_t size : {0, 5}) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{5}}) {
     parts.kept.resize(size);
     const auto result = run_from_maps(world.log, parts, maps, RunOptions{});
     ASSERT_FALSE(result);

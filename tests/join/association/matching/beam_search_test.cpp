@@ -22,9 +22,10 @@ PairingProblem<Dim> crowded(unsigned seed) {
     problem.sightings.push_back(problem.known[s] + shift + random.vector<Dim>(0.3));
   }
   constexpr Eigen::Index kRows = (kKnown + kSightings) * Dim;
+  constexpr Eigen::Index kFirstOfSightings = kKnown * Dim;
   problem.covariance = 0.04 * Eigen::MatrixXd::Identity(kRows, kRows);
-  for (Eigen::Index i = kKnown * Dim; i < kRows; ++i) {
-    for (Eigen::Index j = i % Dim + kKnown * Dim; j < kRows; j += Dim) problem.covariance(i, j) += 0.25;
+  for (Eigen::Index i = kFirstOfSightings; i < kRows; ++i) {
+    for (Eigen::Index j = i % Dim + kFirstOfSightings; j < kRows; j += Dim) problem.covariance(i, j) += 0.25;
   }
   std::vector<std::size_t> all(kKnown);
   std::iota(all.begin(), all.end(), std::size_t{0});
