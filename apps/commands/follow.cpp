@@ -220,8 +220,9 @@ class Follower {
         std::this_thread::sleep_for(kBetweenLooks);
       }
     } while (!fault_ && !stop.stop_requested() && !is_idle());
-    if (!fault_ && !stop.stop_requested()) add(file_.rest());
-    return finished();
+    const bool is_complete = !fault_ && !stop.stop_requested();
+    if (is_complete) add(file_.rest());
+    return finished(is_complete && !fault_);
   }
 
  private:
@@ -237,19 +238,20 @@ class Follower {
     if (!map) fail(ErrorKind::kBadInput, options_.input.string() + ": edges in the plane and in space are in one file");
     take_weights(options_, news);
     map->add(news, [&] {
-      auto whole = std::get<Log<Dim>>(file_.whole().value());
+      auto whole = std::get<Log<Dim>>(file_.so_far().value());
       take_weights(options_, whole);
       return whole;
     });
   }
 
-  FollowedLog finished() {
+  FollowedLog finished(bool is_complete) {
     if (!has_map()) demand_g2o(options_);
     if (!has_map() && fault_) fail(fault_->kind, fault_->message);
     if (!has_map()) fail(ErrorKind::kBadInput, options_.input.string() + ": the log has no edges yet");
     if (auto* map = std::get_if<GrowingMap<2>>(&map_)) map->join_complete(true);
     if (auto* map = std::get_if<GrowingMap<3>>(&map_)) map->join_complete(true);
-    return {file_.whole().value(), fault_};
+    const bool more_may_come = !is_complete && options_.read.undeclared == Undeclared::kRefused;
+    return {(more_may_come ? file_.so_far() : file_.whole()).value(), fault_};
   }
 
   bool has_map() const { return map_.index() > 0; }

@@ -172,8 +172,8 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
     const bool is_taken = take_step(tree_.moved(), tree_.solution(tree_.moved()));
     if (!is_taken) break;
     find_stale();
-    refer_turned();
-    settling.converged = stale_.empty() || before - chi2_ <= allowance().rounding();
+    const bool is_referred_anew = refer_turned();
+    settling.converged = stale_.empty() || (!is_referred_anew && before - chi2_ <= allowance().rounding());
   }
   settled_chi2_ = chi2_;
   settled_free_ = free_;
@@ -287,9 +287,10 @@ void IncrementalEstimate<Dim>::move(const std::vector<JoinedIndex>& variables, c
   }
 }
 
-/// Gives poses that have turned far a new reference; their maps are linearised again.
+/// Gives poses that have turned far a new reference, in which their maps must be linearised again; true if there are any.
 template <int Dim>
-void IncrementalEstimate<Dim>::refer_turned() {
+bool IncrementalEstimate<Dim>::refer_turned() {
+  bool any = false;
   if constexpr (Dim == 3) {
     for (const Variable column : tree_.moved()) {
       JoinedVariable<Dim>& turned = variable(variable_of_column_[column]);
@@ -297,8 +298,10 @@ void IncrementalEstimate<Dim>::refer_turned() {
       turned.refer_to_value();
       tree_.set_solution(column, turned.step);
       append(stale_, turned.factors);
+      any = true;
     }
   }
+  return any;
 }
 
 template class IncrementalEstimate<2>;

@@ -84,7 +84,7 @@ class IncrementalEstimate {
   std::vector<PoseVector<Dim>> steps_of(const std::vector<JoinedIndex>& variables) const;
   /// Moves variables, and updates chi2 and the errors of maps.
   void move(const std::vector<JoinedIndex>& variables, const std::vector<PoseVector<Dim>>& steps);
-  void refer_turned();
+  bool refer_turned();
 
   JoinedVariables<Dim> variables_;
   Table<Variable, JoinedIndex> variable_of_column_;

@@ -15,6 +15,7 @@ enum class Undeclared : std::uint8_t {
   kRefused,  ///< Bad input.
   kSkipped,  ///< Left out, and counted.
   kForeign,  ///< Between poses kept apart (Log::foreign), since another file may declare them; otherwise bad input.
+  kToCome,   ///< Taken, since lines to come may declare it; what no edge names yet is left out for the same reason.
 };
 
 /// Options of readers; all that is left out is counted in Log::skipped.

@@ -77,6 +77,8 @@ class LogBuilder {
   void append(const Log<Dim>& log, std::uint32_t first_session = 0);
   /// Removes poses and features without an initial value, with their time stamps, and returns what refers to them.
   LeftOut<Dim> take_undeclared();
+  /// Forgets poses and features that no factor names, with their values and time stamps, and their fixing.
+  void forget_loose();
 
   /// Adds odometry or a closure; finish() decides which it is.
   void add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {

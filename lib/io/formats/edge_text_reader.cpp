@@ -41,7 +41,9 @@ class EdgeTextReader {
       return tl::unexpected(once.error());
     }
     builder_.add_repairs({.missing = context_.unweighed});
-    const bool has_vertices = context_.is_whole && poses_.size() + features_.size() > 0;
+    const bool is_to_come = context_.options.undeclared == Undeclared::kToCome;
+    if (is_to_come) builder_.forget_loose();
+    const bool has_vertices = context_.is_whole && !is_to_come && poses_.size() + features_.size() > 0;
     if (has_vertices && context_.options.undeclared != Undeclared::kSkipped && fixes_undeclared()) {
       return tl::unexpected(first_undeclared());
     }

@@ -134,8 +134,10 @@ std::size_t GrowingG2o::good_until(std::size_t end) const {
   return has_edges_until(good) ? good : taken_;
 }
 
-Expected<AnyLog> GrowingG2o::whole() const {
-  return read_g2o(TextScanner(path_.string(), std::string_view(text_).substr(0, taken_)), options_);
+Expected<AnyLog> GrowingG2o::whole(Undeclared undeclared) const {
+  ReadOptions options = options_;
+  options.undeclared = undeclared;
+  return read_g2o(TextScanner(path_.string(), std::string_view(text_).substr(0, taken_)), options);
 }
 
 }  // namespace mapjoin

@@ -28,10 +28,14 @@ class GrowingG2o {
   std::size_t size() const { return text_.size(); }
 
   /// The log of all lines given so far, as read_g2o() reads it.
-  Expected<AnyLog> whole() const;
+  Expected<AnyLog> whole() const { return whole(options_.undeclared); }
+  /// The same where more may come: edges to what no line declares yet are taken, as appended() takes them, and vertices that no
+  /// edge names yet are left out.
+  Expected<AnyLog> so_far() const { return whole(Undeclared::kToCome); }
 
  private:
   GrowingG2o(std::filesystem::path path, const ReadOptions& options);
+  Expected<AnyLog> whole(Undeclared undeclared) const;
   Expected<void> read_on();
   Expected<std::optional<AnyLog>> take_until(std::size_t end);
   /// The log in bytes [taken_, end).

@@ -28,6 +28,18 @@ TEST(IncrementalEstimate, AStepThatWouldRaiseChi2IsNotTaken) {
   EXPECT_NEAR(estimate.chi2(), chi2, 1e-9 * chi2);
 }
 
+/// A prior says so little that chi2 allows its error before it is linearised at the pose that it turns so far.
+TEST(IncrementalEstimate, APoseThatHasTurnedFarEndsWithItsMapsInItsNewReference) {
+  const Pose<3> place{Point<3>(1.0, 2.0, 3.0), Rotation<3>::exp(RotationVector<3>(0.3, 0.4, 1.1))};
+  const LocalMap<3> prior{kWorld, {0}, {}, {place}, {}, 1e-6 * PoseMatrix<3>::Identity()};
+  IncrementalEstimate<3> estimate;
+  const JoinedIndex pose = estimate.add_variable(true, {}, false);
+  estimate.add_factor({prior, {kJoinedWorld, pose}});
+  EXPECT_TRUE(estimate.settle({}).converged);
+  EXPECT_LT(local(estimate.variables()[pose].value, place).norm(), 1e-9);
+  EXPECT_LT((1e-6 * estimate.kept().covariance({&pose, 1}).value() - PoseMatrix<3>::Identity()).norm(), 1e-9);
+}
+
 /// Features that an anchored pose has seen twice each, once a standard deviation (1 m) too far and once too near: at the
 /// optimum, chi2 is 2 for each.
 class DeferralTest : public ::testing::Test {

@@ -75,5 +75,23 @@ TYPED_TEST(LogBuilderPartsTest, TakesWhatIsUndeclaredOutWithItsTimeStamps) {
   EXPECT_THAT(log->stamps_ns, ElementsAre(101, 102));
 }
 
+TYPED_TEST(LogBuilderPartsTest, ForgetsWhatNoFactorNames) {
+  constexpr int kDim = TestFixture::kDim;
+  for (const std::uint64_t pose : {0u, 1u, 7u}) this->builder.add_pose({0, pose}, Pose<kDim>{});
+  this->builder.add_feature({9}, Point<kDim>::Ones());
+  this->builder.add_feature({8}, Point<kDim>::Ones());
+  this->builder.add_feature_prior({8}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
+  for (const std::uint64_t pose : {0u, 6u, 7u}) this->builder.fix({0, pose});
+  this->edge({0, 0}, {0, 1});
+  this->builder.forget_loose();
+  const auto log = this->finish();
+  ASSERT_TRUE(log) << log.error().message;
+  EXPECT_THAT(log->poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}));
+  EXPECT_THAT(log->features, ElementsAre(FeatureId{8}));
+  EXPECT_EQ(log->initial.poses.size(), 2u);
+  EXPECT_EQ(log->initial.features.size(), 1u);
+  EXPECT_EQ(log->graph.fixed.size(), 1u);
+}
+
 }  // namespace
 }  // namespace mapjoin

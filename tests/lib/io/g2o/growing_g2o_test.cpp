@@ -46,6 +46,18 @@ TEST_F(GrowingG2oTest, GivesWhatHasComeInWholeLines) {
   EXPECT_EQ(std::get<Log<2>>(file.whole().value()).observations().size(), 2u);
 }
 
+TEST_F(GrowingG2oTest, SoFarAreThePosesThatEdgesName) {
+  GrowingG2o file = open();
+  append("FIX 0 9\nVERTEX_SE2 0 5 0 0\nVERTEX_SE2 8 5 0 0\nVERTEX_XY 9 5 0\n" + kEdge01);
+  EXPECT_EQ(count(file.appended()), 1u);
+  EXPECT_FALSE(file.whole());
+  const auto so_far = std::get<Log<2>>(file.so_far().value());
+  EXPECT_EQ(so_far.poses, (PoseIds{{0, 0}, {0, 1}}));
+  EXPECT_TRUE(so_far.features.empty());
+  ASSERT_EQ(so_far.graph.fixed.size(), 1u);
+  EXPECT_EQ(so_far.graph.fixed[0].value.translation.x(), 5.0);
+}
+
 TEST_F(GrowingG2oTest, VerticesAndFixedPosesMayComeBeforeOrAfterTheirEdges) {
   GrowingG2o file = open();
   append("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nFIX 0\n");
