@@ -41,7 +41,7 @@ TEST_F(FaultsOnRanks, NamesAPoseThatIsFixedButNotThere) {
   file << "FIX 99\n";
   file.close();
   const std::string sentence =
-      "fixed.g2o: pose 99 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)\n";
+      "fixed.g2o:41:5: pose 99 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)\n";
   EXPECT_THAT(call({"run", path("fixed.g2o")}).err, HasSubstr(sentence));
   for (const int ranks : {1, 2}) EXPECT_THAT(call_ranks(ranks, {"run", path("fixed.g2o")}).err, HasSubstr(sentence));
 }
