@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <apps/exit_code.hpp>
 #include <apps/output_folder.hpp>
+#include <mapjoin/io/files/file_mode.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <system_error>
 
@@ -107,6 +108,7 @@ void OutputFolder::replace(const std::vector<std::string>& names, const std::vec
     demand_done(file(name), failure);
   }
   for (const std::string& name : names) {
+    take_mode_of(file(name), aside(name));
     fs::rename(aside(name), file(name), failure);
     demand_done(file(name), failure);
   }

@@ -19,17 +19,18 @@
 namespace mapjoin::apps {
 namespace {
 
-/// Refuses options that say how a log is read, for local maps.
+/// Refuses options that say how a log is read, for local maps; those that leave lines out may be for the truth.
 void demand_none_of_logs(const std::string& input, const Options& options) {
   const ReadOptions& read = options.read;
+  const bool has_truth = !options.truth.empty();
   const std::pair<const char*, bool> of_logs[] = {
       {"--g2o-error", read.pose_error != PoseError::kPaper},
       {"--rotation-information", read.rotation_information != RotationInformation::kVector},
       {"--from", read.from.has_value()},
-      {"--skip-unknown", read.skip_unknown},
-      {"--skip-self-edges", read.skip_self_edges},
-      {"--skip-undeclared", read.undeclared == Undeclared::kSkipped},
-      {"--identity-where-missing", read.identity_where_missing},
+      {"--skip-unknown", !has_truth && read.skip_unknown},
+      {"--skip-self-edges", !has_truth && read.skip_self_edges},
+      {"--skip-undeclared", !has_truth && read.undeclared == Undeclared::kSkipped},
+      {"--identity-where-missing", !has_truth && read.identity_where_missing},
       {"--stamps", !options.stamps.empty()},
       {"--ids-are-nanoseconds", options.ids_are_nanoseconds}};
   for (const auto& [option, is_asked] : of_logs) {

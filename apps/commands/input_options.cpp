@@ -42,15 +42,14 @@ std::vector<std::string> check_given_once(const Options& options) {
   return {};
 }
 
-/// Adds the options for data in files of others that a log has no place for.
-void add_leniency(Subcommand& command, Options& options) {
-  command.flag("--skip-unknown", options.read.skip_unknown, "Leave out lines of unknown tags, and count them");
-  command.flag("--skip-self-edges", options.read.skip_self_edges, "Leave out edges from a pose to itself, and count them");
+/// Adds the options for data in files of others that a log has no place for; `of` is behind what each does.
+void add_leniency(Subcommand& command, Options& options, const std::string& of) {
+  command.flag("--skip-unknown", options.read.skip_unknown, "Leave out lines of unknown tags" + of);
+  command.flag("--skip-self-edges", options.read.skip_self_edges, "Leave out edges from a pose to itself" + of);
   const auto skip = std::make_shared<bool>(false);
-  command.flag("--skip-undeclared", *skip,
-               "Leave out lines that name what a file with vertices does not declare, and count them");
+  command.flag("--skip-undeclared", *skip, "Leave out lines that name what a file with vertices does not declare" + of);
   command.flag("--identity-where-missing", options.read.identity_where_missing,
-               "Take the identity for the weights of edges without any, and count them");
+               "Take the identity for the weights of edges without any" + of);
   command.check([&options, skip]() -> std::vector<std::string> {
     if (*skip) options.read.undeclared = Undeclared::kSkipped;
     return {};
@@ -75,7 +74,15 @@ void add_reading(Subcommand& command, Options& options) {
   command.choice("--rotation-information", options.read.rotation_information,
                  "What its rotational part weighs in 3D: the rotation vector (GTSAM, SE-Sync) or the quaternion's (g2o)");
   add_format(command, options);
-  add_leniency(command, options);
+  add_leniency(command, options, ", and count them");
+}
+
+void add_reading_of_truth(Subcommand& command, Options& options) {
+  command.group("Reading");
+  add_leniency(command, options, " in the truth");
+  for (const char* of_truth : {"--skip-unknown", "--skip-self-edges", "--skip-undeclared", "--identity-where-missing"}) {
+    command.only_with(of_truth, "--truth", [&options] { return !options.truth.empty(); });
+  }
 }
 
 void add_further(Subcommand& command, Options& options, const std::string& kind) {

@@ -93,6 +93,8 @@ std::size_t thread_count(const Options& options);
 /// Adds the options for reading a log: --g2o-error, --rotation-information, --repair-information, --covariance, --from; and for
 /// lenient reading: --skip-unknown, --skip-self-edges, --skip-undeclared, --identity-where-missing.
 void add_reading(Subcommand& command, Options& options);
+/// Adds the options for lenient reading for a command whose truth alone may be a log.
+void add_reading_of_truth(Subcommand& command, Options& options);
 /// Adds an argument for further inputs after `input`, whose kind the help names ("logs"), and --features.
 void add_further(Subcommand& command, Options& options, const std::string& kind);
 /// Adds --parts: refuse, the largest, or all of them, for commands that make a map of each.

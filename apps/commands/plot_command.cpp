@@ -87,7 +87,7 @@ std::string drawn(const PlotOptions& options, const Scene<Dim>& scene) {
   return viewer_page(scene, title);
 }
 
-/// Reads the truth of the first map, and says of how few poses it is if not of all.
+/// Reads the truth of the first map, and says of how few poses it is if not of all; fails if it is of nothing in it.
 template <int Dim>
 Truth<Dim> read_truth(const PlotOptions& options, const GlobalMap<Dim>& first) {
   TruthFile file(options.truth_of_first, kMatchingTimes, options.read);
@@ -96,7 +96,12 @@ Truth<Dim> read_truth(const PlotOptions& options, const GlobalMap<Dim>& first) {
     say(options.truth_of_first.string() + ": its features are not drawn: --associate named them, or those of the first map");
   }
   const Truth<Dim> truth = file.of(first);
-  const auto known = std::ranges::count_if(truth.poses, [](const auto& pose) { return pose.has_value(); });
+  const auto is_known = [](const auto& value) { return value.has_value(); };
+  const auto known = std::ranges::count_if(truth.poses, is_known);
+  if (known == 0 && std::ranges::none_of(truth.features, is_known)) {
+    fail(ErrorKind::kUsage, fmt::format("{}: has no pose or feature of {}, by name, time or count; leave --truth out",
+                                        options.truth_of_first.string(), options.inputs.front().string()));
+  }
   if (known < std::ssize(truth.poses)) {
     say(fmt::format("{}: has {} of the {} of the first map, and is drawn at no others", options.truth_of_first.string(), known,
                     plural(truth.poses.size(), "pose")));

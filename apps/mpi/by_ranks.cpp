@@ -54,8 +54,7 @@ Expected<void> check_folder(const std::filesystem::path& out_of_core) {
       Error{ErrorKind::kUsage, fmt::format("--out-of-core: {} is no folder on every rank's machine", out_of_core.string())});
 }
 
-ExitCode make_map(const std::string& command, const MpiOptions& options,
-                  const std::function<Expected<distributed::AnyMappedLog>(const Communicator&)>& read) {
+ExitCode make_map(const std::string& command, const MpiOptions& options, const MappedLogReader& read) {
   const Communicator comm(MPI_COMM_WORLD);
   CommandRun command_run(command, options, {});
   told_by_first(comm, [&] {
@@ -65,8 +64,9 @@ ExitCode make_map(const std::string& command, const MpiOptions& options,
   demand(comm.agree(check_folder(options.out_of_core)));
   const distributed::Task task{
       options.run, {options.out_of_core}, options.most_memory_mb, static_cast<std::size_t>(options.regions)};
+  const auto check_names = [&](const PoseIds& poses, const FeatureIds& features) { command_run.check_names(poses, features); };
   auto found = distributed::run(
-                   comm, [&] { return read(comm); }, task)
+                   comm, [&] { return read(comm, check_names); }, task)
                    .value();
   const std::string effort =
       std::visit([&](const auto& any) { return shared_in_words(options, any); }, found) + effort_in_words(comm);

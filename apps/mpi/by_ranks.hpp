@@ -27,9 +27,11 @@ std::string effort_in_words(const distributed::Communicator& comm);
 /// Concludes the run, and tells people the effort of the ranks; called by the first rank.
 ExitCode conclude(CommandRun& command_run, const std::string& effort);
 
+/// Reads a log with its local maps, and calls the check of names.
+using MappedLogReader =
+    std::function<Expected<distributed::AnyMappedLog>(const distributed::Communicator&, const distributed::NamesCheck&)>;
 /// Runs a command that makes a map of the log that `read` returns, called once for each way that is tried.
-ExitCode make_map(const std::string& command, const MpiOptions& options,
-                  const std::function<Expected<distributed::AnyMappedLog>(const distributed::Communicator&)>& read);
+ExitCode make_map(const std::string& command, const MpiOptions& options, const MappedLogReader& read);
 
 /// Violations, in words: a log or a report in the place of a rank's store, in the folder that `option` names.
 std::vector<std::string> store_conflicts(const MpiOptions& options, const std::string& option);

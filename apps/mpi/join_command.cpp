@@ -3,6 +3,7 @@
 
 #include <apps/mpi/by_ranks.hpp>
 #include <memory>
+#include <variant>
 
 namespace mapjoin::apps {
 namespace {
@@ -10,8 +11,13 @@ namespace {
 ExitCode join_stores(const MpiOptions& options) {
   std::vector<std::filesystem::path> stores{options.input};
   stores.insert(stores.end(), options.further.begin(), options.further.end());
-  return make_map("join", options,
-                  [&](const distributed::Communicator& comm) { return distributed::stored_log(comm, stores); });
+  const auto read = [&](const distributed::Communicator& comm, const distributed::NamesCheck& check_names) {
+    return distributed::stored_log(comm, stores).map([&](distributed::AnyMappedLog any) {
+      std::visit([&](const auto& log) { check_names(log.whole.poses, log.whole.features); }, any);
+      return any;
+    });
+  };
+  return make_map("join", options, read);
 }
 
 }  // namespace

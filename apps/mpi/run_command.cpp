@@ -8,8 +8,11 @@ namespace mapjoin::apps {
 namespace {
 
 ExitCode run_log(const MpiOptions& options) {
-  const distributed::LogTask log{options.input, options.read, options.covariance, options.run, options.stores};
-  return make_map("run", options, [&](const distributed::Communicator& comm) { return distributed::mapped_log(comm, log); });
+  const auto read = [&](const distributed::Communicator& comm, const distributed::NamesCheck& check_names) {
+    return distributed::mapped_log(comm,
+                                   {options.input, options.read, options.covariance, options.run, options.stores, check_names});
+  };
+  return make_map("run", options, read);
 }
 
 }  // namespace

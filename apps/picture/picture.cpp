@@ -97,12 +97,15 @@ std::vector<FlatLine> joined(const std::vector<FlatLine>& lines, std::size_t mos
   return joined;
 }
 
-/// Few enough lines: of very many those of a path are joined, and of others, as of links, some are skipped.
+/// Few enough lines: of very many those of a path are joined, and of others, as of links or of a path in very many pieces, some
+/// are skipped.
 std::vector<FlatLine> few_of(const std::vector<FlatLine>& lines) {
   const std::size_t every = one_in(lines.size(), 2);
   std::size_t going_on = 0;
   for (std::size_t k = 1; k < lines.size(); ++k) going_on += goes_on(lines[k - 1], lines[k]) ? 1 : 0;
-  return 2 * going_on > lines.size() ? joined(lines, every) : some_of(lines, every);
+  if (2 * going_on <= lines.size()) return some_of(lines, every);
+  const std::vector<FlatLine> of_path = joined(lines, every);
+  return some_of(of_path, one_in(of_path.size()));
 }
 
 /// The lines in pixels, thinned until few enough points are left in all.

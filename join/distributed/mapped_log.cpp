@@ -50,6 +50,7 @@ template <int Dim>
 Expected<AnyMappedLog> mapped(const Communicator& comm, const LogTask& task, LogPart<Dim> whole) {
   const auto fit = check_worth_it(comm, whole.source, whole.poses, 1).and_then([&] { return check_connected(comm, whole); });
   if (!fit) return tl::unexpected(fit.error());
+  if (task.check_names) task.check_names(whole.poses, whole.features);
   if (task.covariance == Covariance::kIdentity) use_identity_covariance(whole);
   LogShare<Dim> share = share_of(comm, whole, even_begins(whole.poses.size(), comm.size()), PoseOrder::kDriven);
   double seconds = 0.0;

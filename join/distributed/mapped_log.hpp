@@ -2,6 +2,7 @@
 #pragma once
 // A log with its local maps, spread over ranks by time.
 
+#include <functional>
 #include <mapjoin/distributed/share_maps.hpp>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/measure/counts.hpp>
@@ -31,13 +32,17 @@ using AnyMappedLog = std::variant<MappedLog<2>, MappedLog<3>>;
 template <int Dim>
 MappedLog<Dim> mapped_log(const Communicator& comm, LogPart<Dim> whole, LogShare<Dim> share, ShareMaps<Dim> maps);
 
+/// Called on all ranks with the names of a log; ends the call, by the same exception on all, if these do not serve.
+using NamesCheck = std::function<void(const PoseIds&, const FeatureIds&)>;
+
 /// The reading and mapping of a log, the same on all ranks.
 struct LogTask {
   std::filesystem::path log;
   ReadOptions read;
   Covariance covariance = Covariance::kOriginal;
-  RunOptions run;                ///< Options for building local maps.
-  std::filesystem::path stores;  ///< Folder for the stores of the ranks, from which a killed call resumes; empty: none.
+  RunOptions run;                    ///< Options for building local maps.
+  std::filesystem::path stores;      ///< Folder for the stores of the ranks, from which a killed call resumes; empty: none.
+  NamesCheck check_names = nullptr;  ///< Called before maps are built; null: none.
 };
 
 /// Reads a log and builds its local maps. Errors are the same on all ranks: kBadInput as of mapjoin::run(), and those of

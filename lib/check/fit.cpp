@@ -18,6 +18,8 @@ namespace {
 /// better than it is.
 constexpr double kLarger = 1.5;
 constexpr double kSmaller = 2.0;
+/// Fewer rows do not tell what is typical: a single residual would be typical of itself.
+constexpr std::int64_t kLeastRows = 20;
 
 template <int Dim>
 WeighedResidual weighed(const PoseFactor<Dim>& o, const Values<Dim>& state) {
@@ -57,14 +59,15 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
   fit.kind = std::move(kind);
   fit.count = residuals.size();
   fit.scale = median_scale(residuals);
+  for (const WeighedResidual& residual : residuals) fit.rows += residual.rows;
+  const double typical = fit.rows < kLeastRows ? 1.0 : std::max(1.0, fit.scale);
   ChiSquaredQuantiles most(1e-3 / static_cast<double>(std::max<std::size_t>(1, residuals.size())));
   std::vector<std::size_t> outliers;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const auto& [chi2, rows] = residuals[i];
-    fit.rows += rows;
     fit.chi2 += chi2;
     fit.worst = std::max(fit.worst, chi2);
-    if (rows > 0 && chi2 > std::max(1.0, fit.scale) * most(rows)) outliers.push_back(i);
+    if (rows > 0 && chi2 > typical * most(rows)) outliers.push_back(i);
   }
   const auto is_worse = [&](std::size_t a, std::size_t b) { return residuals[a].chi2 > residuals[b].chi2; };
   std::stable_sort(outliers.begin(), outliers.end(), is_worse);
@@ -92,12 +95,11 @@ std::vector<KindFit> fits_of(const Log<Dim>& log, const Values<Dim>& state) {
 }
 
 Findings check_fit(const std::vector<KindFit>& fits, std::int64_t dof) {
-  constexpr std::int64_t kLeastDof = 20;
   Findings findings;
   double chi2 = 0.0;
   for (const KindFit& fit : fits) {
     chi2 += fit.chi2;
-    if (fit.scale > kLarger * kLarger && fit.rows >= kLeastDof) {
+    if (fit.scale > kLarger * kLarger && fit.rows >= kLeastRows) {
       findings.push_back(
           {FindingLevel::kWarning,
            "too_certain",
@@ -105,7 +107,7 @@ Findings check_fit(const std::vector<KindFit>& fits, std::int64_t dof) {
            {}});
     }
   }
-  if (dof < kLeastDof || chi2 * kSmaller * kSmaller > static_cast<double>(dof)) return findings;
+  if (dof < kLeastRows || chi2 * kSmaller * kSmaller > static_cast<double>(dof)) return findings;
   findings.push_back({FindingLevel::kWarning,
                       "too_cautious",
                       fmt::format("residuals are {:.2g} of what the covariances say (chi2 {:.6g}, dof {})",

@@ -30,7 +30,7 @@ struct KindFit {
   double chi2 = 0.0;
   double scale = 0.0;  ///< Their median_scale().
   /// Outliers, the worst first: chi2 above what all observations of a kind of this size stay below in 999 of 1000 cases, even
-  /// if all its covariances are too small by `scale`.
+  /// if all its covariances are too small by `scale`, which counts from 20 rows on.
   Places outliers;
   double worst = 0.0;  ///< The largest chi2.
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mapjoin/model/fixed_faults.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/log_builder.hpp>
@@ -268,18 +269,10 @@ Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed() const {
   std::optional<PoseId> at_origin;  // The pose without a value.
   for (const auto& [id, value] : fixed_) {
     const auto pose = find_ascending(log_.poses, id);
-    if (!pose) {
-      return bad_input(fmt::format("{} is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)",
-                                   to_string(id)));
-    }
+    if (!pose) return bad_input(fixed_without_pose(id));
     const auto initial = std::ranges::lower_bound(poses_.initial, id, {}, [](const auto& item) { return item.id; });
     const bool has_initial = initial != poses_.initial.end() && initial->id == id;
-    if (!value && !has_initial && at_origin.value_or(id) != id) {
-      return bad_input(
-          fmt::format("{} is fixed beside {}, but nothing says where: give it a value (in a g2o file, its vertex) or "
-                      "fix one of the two only",
-                      to_string(id), to_string(*at_origin)));
-    }
+    if (!value && !has_initial && at_origin.value_or(id) != id) return bad_input(fixed_nowhere(id, *at_origin));
     if (!value && !has_initial) at_origin = id;
     fixed.push_back({PoseIndex(*pose), value.value_or(has_initial ? initial->value : Pose<Dim>{})});
   }

@@ -39,6 +39,16 @@ TEST_F(Output, ARunTakesAwayWhatAnEarlierOneWroteMore) {
   EXPECT_EQ(content_of(path("out/relations.csv")), "mine") << "no run wrote it";
 }
 
+TEST_F(Output, FilesOfARunKeepThePermissionsOfThoseThatTheyReplace) {
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("out")}).exit_code, 0);
+  for (const std::string& name : names_in(path("out"))) fs::permissions(path("out/" + name), fs::perms(0640));
+  fs::remove(path("out/map.svg"));
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("out")}).exit_code, 0);
+  for (const std::string& name : names_in(path("out"))) {
+    EXPECT_EQ(fs::status(path("out/" + name)).permissions() == fs::perms(0640), name != "map.svg") << name;
+  }
+}
+
 TEST_F(Output, TakesNothingAwayOnTheWordOfAReportThatIsNone) {
   fs::create_directories(path("out"));
   for (const std::string report :

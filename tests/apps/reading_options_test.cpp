@@ -44,6 +44,12 @@ TEST_F(ReadingOptions, ThatLeaveLinesOutHoldForTheTruth) {
   EXPECT_EQ(report_of(words)["errors"]["ate"]["translation"]["count"], 2);
   expect_failure(call({"run", log, "--truth", truth}), 3, "unknown tag 'SCAN'");
   EXPECT_EQ(call({"run", log, "--truth", truth, "--skip-unknown", "--rotation-information", "quaternion"}).exit_code, 0);
+  const std::string maps = path("truth.maps");
+  ASSERT_EQ(call({"build", log, "-o", maps, "--quiet"}).exit_code, 0);
+  expect_failure(call({"join", maps, "--truth", truth}), 3,
+                 "truth.g2o:2:1: unknown tag 'SCAN'; --skip-unknown leaves such lines out");
+  EXPECT_EQ(call({"join", maps, "--truth", truth, "--skip-unknown"}).exit_code, 0);
+  expect_failure(call({"join", maps, "--skip-unknown"}), 2, "--skip-unknown is of --truth");
 }
 
 TEST_F(ReadingOptions, OfSeveralInputsAreRefusedForOne) {

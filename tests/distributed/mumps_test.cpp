@@ -65,6 +65,23 @@ TEST_F(ChainOfMatrices, IsSolvedWithItsFactorInFiles) {
   expect_solved(mumps);
 }
 
+TEST_F(ChainOfMatrices, SaysThatItsFilesCannotBeWritten) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path gone = folder.path() / "gone";
+  Mumps mumps(comm, {gone});
+  mumps.analyse(static_cast<std::size_t>(A.rows()), rows);
+  auto values = lower();
+  try {
+    (void)mumps.factorise(values);
+    FAIL() << "nothing was refused";
+  } catch (const tl::bad_expected_access<Error>& failure) {
+    EXPECT_EQ(failure.error().kind, ErrorKind::kCannotWrite);
+    EXPECT_EQ(failure.error().message, gone.string() +
+                                           ": the files of the factor could not be written or read there, as on a full disk; "
+                                           "--out-of-core takes a folder with more room");
+  }
+}
+
 TEST_F(ChainOfMatrices, IsSaidNotToBePositiveDefinite) {
   Mumps mumps(comm, {});
   mumps.analyse(static_cast<std::size_t>(A.rows()), rows);

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <tests/mpi/ranks_test.hpp>
 
@@ -41,7 +43,7 @@ TEST_F(FaultsOnRanks, NamesAPoseThatIsFixedButNotThere) {
   file << "FIX 99\n";
   file.close();
   const std::string sentence =
-      "fixed.g2o: pose 99 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)\n";
+      "fixed.g2o:41:5: pose 99 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)\n";
   EXPECT_THAT(call({"run", path("fixed.g2o")}).err, HasSubstr(sentence));
   for (const int ranks : {1, 2}) EXPECT_THAT(call_ranks(ranks, {"run", path("fixed.g2o")}).err, HasSubstr(sentence));
 }
@@ -59,6 +61,25 @@ TEST_F(FaultsOnRanks, NamesTheLineThatFixesWhatIsUndeclaredOrLeavesItOut) {
                 HasSubstr(place + "the file declares vertices, but not pose 5000; --skip-undeclared leaves such lines out\n"));
     EXPECT_EQ(report_of_ranks(ranks, {"run", log, "--skip-undeclared"})["skipped"], one["skipped"]);
   }
+}
+
+TEST_F(FaultsOnRanks, RefusesNamesThatTheMapCannotHoldBeforeTheWork) {
+  std::ofstream file(path("large.g2o"));
+  for (std::uint64_t k = (std::uint64_t{1} << 53) - 2; k < (std::uint64_t{1} << 53) + 40; ++k) {
+    file << "EDGE_SE2 " << k << ' ' << k + 1 << " 1 0 0 1 0 0 1 0 1\n";
+  }
+  file.close();
+  const std::string sentence = "pose 9007199254740992 has an id of 2^53 or more, which a MAT file cannot say; .csv can\n";
+  for (const int ranks : {1, 2}) {
+    const Ended run = call_ranks(ranks, {"run", path("large.g2o"), "-o", path("map.mat"), "--checkpoint", path("stores")});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr(sentence));
+    EXPECT_TRUE(std::filesystem::is_empty(path("stores")));
+  }
+  ASSERT_EQ(call_ranks(1, {"build", path("large.g2o"), "-o", path("stores")}).exit_code, 0);
+  const Ended join = call_ranks(1, {"join", path("stores/1-of-1.maps"), "-o", path("map.mat")});
+  EXPECT_EQ(join.exit_code, 2);
+  EXPECT_THAT(join.err, HasSubstr(sentence));
 }
 
 TEST_F(FaultsOnRanks, SaysWhatIsFreeToMoveAsOneProcessDoes) {

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <exception>
 #include <mapjoin/distributed/mpi/mumps.hpp>
+#include <mapjoin/model/error.hpp>
 #include <new>
 #include <numeric>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace mapjoin::distributed {
 namespace {
@@ -26,6 +29,11 @@ constexpr int kTooLittleRealSpace = -9;
 constexpr int kSingular = -10;
 constexpr int kTooLittleMemory = -13;
 constexpr int kNotPositive = -40;
+constexpr int kFilesFailed = -90;
+
+[[noreturn]] void fail(ErrorKind kind, std::string message) {
+  throw tl::bad_expected_access<Error>(Error{kind, std::move(message)});
+}
 
 /// Maximum room beyond the estimate of the analysis that is tried (%).
 constexpr int kMostRoom = 1000;
@@ -51,7 +59,7 @@ Mumps::Mumps(const Communicator& comm, const MumpsOptions& options) : comm_(comm
   mumps_->control(28) = 1;  // analysed on the first rank
   if (options.out_of_core.empty()) return;
   const std::string folder = options.out_of_core.string();
-  if (folder.size() >= sizeof mumps_->ooc_tmpdir) throw std::runtime_error("the name of the folder for the factor is too long");
+  if (folder.size() >= sizeof mumps_->ooc_tmpdir) fail(ErrorKind::kUsage, folder + ": the name is too long for --out-of-core");
   mumps_->control(22) = 1;
   folder.copy(mumps_->ooc_tmpdir, folder.size());
   mumps_->ooc_tmpdir[folder.size()] = '\0';
@@ -68,6 +76,11 @@ int Mumps::call(int job) {
   dmumps_c(mumps_.get());
   const int status = mumps_->info(1);
   if (status == kTooLittleMemory) throw std::bad_alloc();
+  if (status == kFilesFailed) {
+    fail(ErrorKind::kCannotWrite, fmt::format("{}: the files of the factor could not be written or read there, as on a full "
+                                              "disk; --out-of-core takes a folder with more room",
+                                              mumps_->ooc_tmpdir));
+  }
   const bool is_known = status >= 0 || status == kTooLittleIntegerSpace || status == kTooLittleRealSpace ||
                         status == kSingular || status == kNotPositive;
   if (!is_known) throw std::runtime_error(fmt::format("MUMPS ended job {} with status {} ({})", job, status, mumps_->info(2)));

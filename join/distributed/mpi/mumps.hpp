@@ -17,7 +17,8 @@ struct MumpsOptions {
 };
 
 /// The factorisation of A = Σ A_r, whose A_r is that of rank r; its rows are in elimination order. Failures are the same on all
-/// ranks: std::bad_alloc if memory is too little, otherwise std::runtime_error.
+/// ranks: std::bad_alloc if memory is too little; tl::bad_expected_access<Error>, with kCannotWrite, if files of the factor
+/// cannot be written, as on a full disk, and with kUsage if the name of their folder is too long; otherwise std::runtime_error.
 class Mumps {
  public:
   Mumps(const Communicator& comm, const MumpsOptions& options);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <mapjoin/distributed/reading/log_part.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/model/fixed_faults.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/model/renumber.hpp>
@@ -131,6 +132,19 @@ Expected<std::optional<AnyLog>> log_of(const TextPart& part, const std::string& 
   });
 }
 
+/// kBadInput, with its place, if a FIX line of this rank, not left out, names no pose of the log.
+template <int Dim>
+Expected<void> check_fixed(const TextPart& part, const LogPart<Dim>& whole) {
+  const auto is_unknown = [&](std::uint64_t key) { return !find_ascending(whole.poses, PoseId{0, key}); };
+  if (std::ranges::none_of(part.fixed, is_unknown)) return {};
+  const TextScanner text(whole.source, part.text, part.lines_before);
+  for (const auto& [key, place] : fixed_names(text)) {
+    const bool is_kept = std::ranges::binary_search(part.fixed, key);
+    if (is_kept && is_unknown(key)) return text.error(place, fixed_without_pose(PoseId{0, key}));
+  }
+  return {};  // another rank has the line
+}
+
 /// The fixed poses, at the values of their vertices.
 template <int Dim>
 Expected<std::vector<FixedPose<Dim>>> fixed_poses(const Communicator& comm, const TextPart& part, const LogPart<Dim>& log,
@@ -139,14 +153,13 @@ Expected<std::vector<FixedPose<Dim>>> fixed_poses(const Communicator& comm, cons
   std::string vertices;
   for (const std::string& some : comm.gather(part.vertices_of(fixed))) vertices += some;
   LogBuilder<Dim> builder(log.source);
-  builder.allow_no_poses();  // it names those that are not in the log
   if (!vertices.empty()) {
     auto values = read_g2o(TextScanner(log.source, vertices), options);
     if (!values) return tl::unexpected(values.error());
     builder.append(std::get<Log<Dim>>(*values));
   }
   for (const std::uint64_t key : fixed) {
-    if (find_ascending(log.poses, PoseId{0, key})) builder.add_pose({0, key});
+    builder.add_pose({0, key});
     builder.fix({0, key});
   }
   return std::move(builder).finish(PoseOrder::kOfIds).map([&](Log<Dim> said) {
@@ -188,6 +201,7 @@ Expected<AnyLogPart> log_part(const Communicator& comm, TextPart& part, Log<Dim>
   whole.poses = names_of_all(comm, std::move(whole.poses));
   whole.features = names_of_all(comm, std::move(whole.features));
   whole.graph = renumbered(log, whole);
+  if (const auto known = comm.agree(check_fixed(part, whole)); !known) return tl::unexpected(known.error());
   auto fixed = fixed_poses(comm, part, whole, poses_to_fix(comm, part, whole, has_vertices), options);
   if (!fixed) return tl::unexpected(fixed.error());
   whole.graph.fixed = *std::move(fixed);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <mapjoin/io/files/file_mode.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <system_error>
 
@@ -19,13 +19,6 @@ bool is_open_file(const fs::path& path) {
   std::error_code failure;
   const fs::path folder = fs::canonical(path.has_parent_path() ? path.parent_path() : ".", failure);
   return !failure && folder.native().starts_with("/proc/");
-}
-
-/// Gives a file the permissions of the one that it replaces, if there is one and the file system has any; its owner may write
-/// it, as a next call does that clears what this one left.
-void take_mode_of(const fs::path& replaced, int descriptor) {
-  struct stat status {};
-  if (::stat(replaced.c_str(), &status) == 0) (void)::fchmod(descriptor, (status.st_mode & 0777) | S_IWUSR);
 }
 
 }  // namespace
@@ -68,7 +61,7 @@ Expected<OutputFile> OutputFile::create(const fs::path& path) {
   if (beside) {
     const fs::path written = target.string() + kUnfinished;
     return open_alone(written, path).map([&](Descriptor&& file) {
-      take_mode_of(target, file.value());
+      take_mode_of(target, written);
       return OutputFile(target, written, std::move(file));
     });
   }

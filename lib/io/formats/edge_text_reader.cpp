@@ -5,8 +5,11 @@
 #include <mapjoin/io/formats/edge_text_piece.hpp>
 #include <mapjoin/io/formats/undeclared.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
+#include <mapjoin/model/fixed_faults.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numeric>
+#include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -54,6 +57,7 @@ class EdgeTextReader {
       count_skipped(undeclared);
       undeclared.edges.clear();
     }
+    if (auto fixed = check_fixed(); !fixed) return tl::unexpected(fixed.error());
     return std::move(builder_).finish().and_then([&](Log<Dim>&& log) -> Expected<Log<Dim>> {
       if (has_vertices && (log.poses.size() > poses_.size() || log.features.size() > features_.size())) {
         return tl::unexpected(first_undeclared());
@@ -124,6 +128,25 @@ class EdgeTextReader {
   bool fixes_undeclared() const {
     return std::ranges::any_of(builder_.fixed_poses(),
                                [&](const PoseId& id) { return !poses_.contains(id.key) && !features_.contains(id.key); });
+  }
+
+  /// Bad input, with its place, if a FIX line names no pose, or a second one that nothing gives a value.
+  Expected<void> check_fixed() const {
+    std::set<std::uint64_t> without_value;
+    for (const PoseId& id : builder_.fixed_poses()) {
+      if (!poses_.contains(id.key)) without_value.insert(id.key);
+    }
+    const auto unknown = not_named_as_poses(begin_, format_, without_value);
+    if (unknown.empty() && without_value.size() < 2) return {};
+    std::optional<PoseId> first;
+    for (const auto& [key, place] : fixed_names(begin_)) {
+      if (!without_value.contains(key)) continue;
+      const PoseId id{0, key};
+      if (unknown.contains(key)) return begin_.error(place, fixed_without_pose(id));
+      if (first.value_or(id) != id) return begin_.error(place, fixed_nowhere(id, *first));
+      first = id;
+    }
+    return {};
   }
 
   void count_skipped(const LeftOut<Dim>& undeclared) {

@@ -49,7 +49,34 @@ std::optional<UndeclaredName> first_undeclared(TextScanner text, const EdgeText<
   return std::nullopt;
 }
 
+template <int Dim>
+std::set<std::uint64_t> not_named_as_poses(TextScanner text, const EdgeText<Dim>& format, std::set<std::uint64_t> keys) {
+  while (!keys.empty() && text.next_line()) {
+    const std::string_view tag = text.word();
+    const PriorTag* prior = format.prior(tag);
+    const bool is_edge = tag == format.edge_tag;
+    const bool is_of_pose = is_edge || tag == format.observation_tag || (prior && prior->kind != PriorTag::Kind::kFeature);
+    if (is_of_pose) keys.erase(text.key());
+    if (is_edge) keys.erase(text.key());
+  }
+  return keys;
+}
+
+std::vector<FixedName> fixed_names(TextScanner text) {
+  std::vector<FixedName> names;
+  while (text.next_line()) {
+    if (text.word() != kG2oFix) continue;
+    while (!text.at_end_of_line()) {
+      const std::uint64_t key = text.key();
+      names.push_back({key, text.place()});
+    }
+  }
+  return names;
+}
+
 template std::optional<UndeclaredName> first_undeclared(TextScanner, const EdgeText<2>&, const Declared&, bool);
 template std::optional<UndeclaredName> first_undeclared(TextScanner, const EdgeText<3>&, const Declared&, bool);
+template std::set<std::uint64_t> not_named_as_poses(TextScanner, const EdgeText<2>&, std::set<std::uint64_t>);
+template std::set<std::uint64_t> not_named_as_poses(TextScanner, const EdgeText<3>&, std::set<std::uint64_t>);
 
 }  // namespace mapjoin

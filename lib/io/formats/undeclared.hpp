@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What the lines of a text of edges name and no vertex declares.
+// What the lines of a text of edges name and no vertex declares, and what `FIX` lines name.
 
 #include <cstdint>
 #include <functional>
 #include <mapjoin/io/formats/edge_text.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mapjoin {
 
@@ -32,5 +34,18 @@ struct UndeclaredName {
 template <int Dim>
 std::optional<UndeclaredName> first_undeclared(TextScanner text, const EdgeText<Dim>& format, const Declared& declared,
                                                bool with_edges);
+
+/// An id that a `FIX` line names, and its place.
+struct FixedName {
+  std::uint64_t key;
+  Place place;
+};
+
+/// The ids of these that no edge, observation or prior in a text at its start names as a pose.
+template <int Dim>
+std::set<std::uint64_t> not_named_as_poses(TextScanner text, const EdgeText<Dim>& format, std::set<std::uint64_t> keys);
+
+/// The ids that `FIX` lines of a text at its start name, in their order.
+std::vector<FixedName> fixed_names(TextScanner text);
 
 }  // namespace mapjoin

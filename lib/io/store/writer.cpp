@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <mapjoin/io/files/file_mode.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/store/map_rows.hpp>
@@ -157,6 +158,7 @@ Expected<void> StoreWriter<Dim>::finish() {
   // The lock lasts until the file has its name, so that no other build takes it for an interrupted one.
   std::error_code error;
   fs::remove(partial.string() + "-journal", error);
+  take_mode_of(path_, partial);
   fs::rename(partial, path_, error);
   database_.reset();
   if (error) return cannot_write(path_, error.message());

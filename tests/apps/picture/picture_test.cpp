@@ -70,6 +70,16 @@ TEST(Picture, OfVeryManyLocalMapsNoneIsLeftOut) {
   EXPECT_NEAR(covered, 100'000.0, 1.0) << "pixels";
 }
 
+TEST(Picture, IsBoundedInHoweverManyPiecesItsPathIs) {
+  Layer layer = line("map", "red", {});
+  layer.lines.clear();
+  for (int piece = 0; piece < 30'000; ++piece) {
+    const double x = 10.0 * piece;
+    for (const double y : {0.0, 1.0, 2.0}) layer.lines.push_back({{x, y}, {x, y + 1.0}});
+  }
+  EXPECT_LE(count_of(picture({layer}), "M"), 10'010U);
+}
+
 TEST(Picture, HoldsWhatIsFramedAndCutsTheRest) {
   const auto scale_of = [](const std::string& svg) { return svg.substr(svg.find(" m</text>") - 4, 4); };
   const Layer near = line("near", "red", spiral(10));

@@ -157,6 +157,16 @@ TEST_F(Plot, SaysOfHowManyPosesTheTruthIs) {
   EXPECT_EQ(ended.err, "mapjoin: " + truth + ": has 3 of the 4 poses of the first map, and is drawn at no others\n");
 }
 
+TEST_F(Plot, RefusesATruthOfNothingInTheMap) {
+  const std::string map = folder.file("map.csv", "pose,x,y,phi\n1,0,0,0\n2,1,0,0\n").string();
+  const std::string truth = folder.file("truth.csv", "pose,x,y,phi\n7,0,0,0\n8,1,0,0\n").string();
+  const Ended ended = call({"plot", map, "--truth", truth, "-o", path("plot.svg")});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_EQ(ended.err,
+            "mapjoin: " + truth + ": has no pose or feature of " + map + ", by name, time or count; leave --truth out\n");
+  EXPECT_FALSE(std::filesystem::exists(path("plot.svg")));
+}
+
 TEST_F(Plot, TheTruthOfATrajectoryMayHaveNames) {
   const std::string map = folder.file("map.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n").string();
   const std::string truth = folder.file("truth.csv", "pose,x,y,phi\n7,0,0,0\n8,1,0,0\n").string();

@@ -62,6 +62,14 @@ TEST(Fit, CallsNothingAnOutlierThatItsCovarianceAllows) {
   EXPECT_EQ(kind_fit("closures", residuals, name).outliers.count, 0u);
 }
 
+TEST(Fit, FewResidualsAreNotTypicalOfThemselves) {
+  for (const std::size_t count : {1U, 2U, 6U}) {
+    EXPECT_EQ(kind_fit("closures", std::vector<WeighedResidual>(count, {100.0, 3}), name).outliers.count, count);
+    EXPECT_EQ(kind_fit("closures", std::vector<WeighedResidual>(count, {10.0, 3}), name).outliers.count, 0U);
+  }
+  EXPECT_EQ(kind_fit("closures", std::vector<WeighedResidual>(7, {100.0, 3}), name).outliers.count, 0U);
+}
+
 TEST(Fit, IsJudgedFromTwentyRowsOn) {
   for (const auto& [chi2, check] : {std::pair(9.0, "too_certain"), std::pair(0.2, "too_cautious")}) {
     const auto residuals_of = [&, of_each = chi2](std::size_t count) {

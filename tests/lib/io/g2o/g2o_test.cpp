@@ -64,7 +64,7 @@ TEST(G2o, ReadsEveryTagOfThePlane) {
 TEST(G2o, FixesSeveralPosesOnOneLineAndNamesAWordThatIsNone) {
   const auto log = read_as<2>("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nFIX 0 1\n" + kEdge2);
   EXPECT_EQ(log.graph.fixed.size(), 2u);
-  EXPECT_THAT(message("FIX 0 1\n" + kEdge2), HasSubstr("pose 1 is fixed beside pose 0, but nothing says where"));
+  EXPECT_THAT(message("FIX 0 1\n" + kEdge2), HasSubstr("some.g2o:1:7: pose 1 is fixed beside pose 0, but nothing says where"));
   EXPECT_EQ(message("FIX a b\n" + kEdge2), "some.g2o:1:5: 'a' stands where an id is expected");
   EXPECT_EQ(message("FIX 0 -1 1\n" + kEdge2), "some.g2o:1:7: '-1' stands where an id is expected");
 }

@@ -80,8 +80,11 @@ TEST(WildG2o, LeavesOutFixedPosesThatAreUndeclaredIfAsked) {
   ASSERT_THAT(log.graph.fixed, SizeIs(1));
   EXPECT_EQ(log.graph.fixed.front().pose, PoseIndex(1));
   EXPECT_EQ(log.skipped, (SkipCounts{{"fixed vertices that are undeclared", 1}}));
-  EXPECT_THAT(wild_error("VERTEX_XY 5 1 1\n" + text.substr(0, text.find("FIX")) + "FIX 5\n"),
-              HasSubstr("pose 5 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)"));
+  EXPECT_THAT(
+      wild_error("VERTEX_XY 5 1 1\n" + text.substr(0, text.find("FIX")) + "FIX 5\n"),
+      HasSubstr("some.g2o:5:5: pose 5 is fixed, but the log has no such pose (a feature is not fixed, but held by a prior)"));
+  EXPECT_THAT(wild_error(kEdge + "FIX 0\n FIX 0 9\n"),
+              HasSubstr("some.g2o:3:8: pose 9 is fixed, but the log has no such pose"));
 }
 
 TEST(WildG2o, KeepsEdgesToPosesOfOtherFilesApart) {

@@ -106,6 +106,12 @@ TEST_F(StoreFileTest, SaysWhatCannotBeWritten) {
   EXPECT_THAT(open(path).error().message, HasSubstr("is in the way, and not a mapjoin store"));
 }
 
+TEST_F(StoreFileTest, HasThePermissionsOfTheStoreThatItReplaces) {
+  fs::permissions(path, fs::perms(0640));
+  build_store(path, maps);
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms(0640));
+}
+
 TEST_F(StoreFileTest, WhatIsNoPlainFileIsKeptAndALinkStaysALink) {
   const fs::path pipe = folder.path() / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
