@@ -38,9 +38,9 @@ double MapMatching<Dim>::log_pairs() const {
 
 /// The features of a map; unpaired are those that the other map does not see and that are not candidates.
 template <int Dim>
-MapFeatures<Dim> MapMatching<Dim>::features_of(std::size_t map, std::size_t other,
-                                               const std::set<FeatureIndex>& candidates) const {
-  MapFeatures<Dim> features;
+MatchedMap<Dim> MapMatching<Dim>::features_of(std::size_t map, std::size_t other,
+                                              const std::set<FeatureIndex>& candidates) const {
+  MatchedMap<Dim> features;
   for (const FeatureIndex f : identities_.features_in(map)) {
     features.all.push_back(estimate_.position(f));
     if (!candidates.contains(f) && !identities_.sees(other, f)) features.unpaired.push_back(estimate_.position(f));

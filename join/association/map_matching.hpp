@@ -68,7 +68,7 @@ class MapMatching {
   double log_pairs() const;
 
  private:
-  MapFeatures<Dim> features_of(std::size_t map, std::size_t other, const std::set<FeatureIndex>& candidates) const;
+  MatchedMap<Dim> features_of(std::size_t map, std::size_t other, const std::set<FeatureIndex>& candidates) const;
   std::vector<MapPair<Dim>> pairs_of(std::size_t map, double reach) const;
   Proposals of_map(std::size_t map, double reach, bool only_neighbours, const std::stop_token& stop) const;
   Proposals of_pair(std::size_t earlier, std::size_t later, const OpenFeatures<Dim>& open, double reach,
