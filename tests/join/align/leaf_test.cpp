@@ -38,7 +38,7 @@ TYPED_TEST(LeavesTest, AreTheSegmentsInTheFrameOfTheirFirstPose) {
   for (std::size_t k = 0; k < graph.segments.size(); ++k) {
     const auto partial = leaves.partial(k);
     EXPECT_EQ(partial.poses.front(), graph.segments[k].begin);
-    EXPECT_EQ(partial.poses[indices(partial.poses).last - 1], graph.segments[k].end);
+    EXPECT_EQ(partial.poses.back(), graph.segments[k].end);
     EXPECT_EQ(partial.factors.submaps.size(), k == TestFixture::kRaw ? 0U : 1U);
     EXPECT_FALSE(partial.features.empty());
     EXPECT_LT(testing::largest_difference(partial.state, this->truth_of(partial)), 1e-6) << k;
