@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+// Options of benchmarks that take the words of an enum.
+
 #include <CLI/CLI.hpp>
 #include <map>
 #include <mapjoin/model/enum_names.hpp>

@@ -73,15 +73,25 @@ Json json_of(const BasinCell& cell) {
           {"problem", cell.formulation.is_joining ? "joining" : "full_slam"},
           {"state", cell.formulation.state},
           {"local_maps", split_in_words(cell)},
+          {"maps", cell.maps},
           {"method", cell.method},
           {"start", cell.start},
           {"hits", cell.hits()},
           {"runs", runs}};
 }
 
+/// The splits that cut the log into no local map.
+std::vector<SplitOptions> splits_without_maps(const Basin& basin) {
+  std::vector<SplitOptions> splits;
+  for (const BasinCell& cell : basin.cells) {
+    if (cell.split && cell.maps == 0 && std::ranges::find(splits, *cell.split) == splits.end()) splits.push_back(*cell.split);
+  }
+  return splits;
+}
+
 /// The input and the best chi2 known; then a row per covariance, formulation, split and method and a column per start, as in
 /// the paper's Table I.
-std::string table_of(const Basin& basin, const RunReport& run_report, const std::vector<std::string>& notes) {
+std::string table_of(const Basin& basin, const RunReport& run_report) {
   Lines lines;
   add_input(run_report, lines);
   for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
@@ -90,7 +100,7 @@ std::string table_of(const Basin& basin, const RunReport& run_report, const std:
   }
   add_convention(run_report, lines);
   lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
-  for (const std::string& note : notes) lines.add("note", note);
+  for (const SplitOptions& split : splits_without_maps(basin)) lines.add("note", no_map_in_words(split));
   ReportTable table;
   for (const char* heading : {"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}) {
     table.columns.push_back({heading, heading});
@@ -120,7 +130,7 @@ std::string csv_of(const Json& cells) {
   return csv(table);
 }
 
-StudyOutput basin_output(const Basin& basin, const RunReport& run_report, const std::vector<std::string>& notes) {
+StudyOutput basin_output(const Basin& basin, const RunReport& run_report) {
   Json report = report_head(run_report);
   for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
     report["best_chi2"][to_string(basin.covariances[c])] = basin.best_chi2[c];
@@ -129,7 +139,7 @@ StudyOutput basin_output(const Basin& basin, const RunReport& run_report, const 
   for (const BasinCell& cell : basin.cells) report["cells"].push_back(json_of(cell));
   report["seconds"] = run_report.total_seconds();
   const std::string json = text_of(report);
-  return {table_of(basin, run_report, notes), json, {{"basin.csv", csv_of(report["cells"])}, {"basin.json", json}}};
+  return {table_of(basin, run_report), json, {{"basin.csv", csv_of(report["cells"])}, {"basin.json", json}}};
 }
 
 ExitCode run_basin(const BasinRequest& asked, const std::stop_token& stop) {
@@ -138,18 +148,15 @@ ExitCode run_basin(const BasinRequest& asked, const std::stop_token& stop) {
   command_run.prepare(report_of(asked));
   BasinOptions options = asked.basin;
   options.progress = command_run.progress().count("solves");
-  std::vector<std::string> notes;
   const Basin found = command_run.with_log_or_maps([&](const auto& data) {
     if constexpr (requires { data.log; }) {
       return basin(data.log, split_along(data.log, data.segments), options, stop).value();
     } else {
-      Basin all = basin(data, options, stop).value();
-      if constexpr (requires { data.observations(); }) notes = notes_on_splits(data, options.splits);
-      return all;
+      return basin(data, options, stop).value();
     }
   });
   command_run.check_interrupted();
-  command_run.hand_over(basin_output(found, command_run.run_report, notes), folder);
+  command_run.hand_over(basin_output(found, command_run.run_report), folder);
   return ExitCode::kDone;
 }
 

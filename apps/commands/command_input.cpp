@@ -252,7 +252,7 @@ void CommandRun::attach_gps(Log<Dim>& log) {
   std::vector<RejectedFix> rejected;
   if (options_.robust) {
     const Stopwatch watch(run_report.robust_seconds);
-    rejected = find_wrong_fixes(log, *options_.robust, stop_).value();
+    rejected = find_wrong_fixes(log, robust_options(), stop_).value();
   }
   run_report.describe(log, attached, rejected);
   log = without_fixes(log, rejected);

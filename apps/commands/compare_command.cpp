@@ -80,15 +80,6 @@ Comparison<Dim> compared(CommandRun& command_run, const CompareOptions& options,
   return compare(log, comparing, command_run.stop()).value();
 }
 
-Json over_spans(const std::vector<std::size_t>& spans, const std::vector<PoseErrorSummary>& errors) {
-  Json all = Json::array();
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    all.push_back({{"span", spans[k]}});
-    all.back().update(Json(errors[k]));
-  }
-  return all;
-}
-
 Json json_of(const std::vector<std::size_t>& spans, const EstimateFigures& estimate) {
   const TruthDistance truth = estimate.from_truth.value_or(TruthDistance{});
   Json json = {{"chi2", estimate.chi2},

@@ -55,6 +55,7 @@ Json json_of(const FormulationFigures& figures) {
   }
   return {{"formulation", problem_in_words(figures.formulation)},
           {"state", figures.formulation.state},
+          {"maps", figures.maps},
           {"convexity", json_of(figures.curvature)},
           {"quadratic",
            {{"rows", figures.quadratic.rows},
@@ -70,19 +71,20 @@ Json json_of(const FormulationFigures& figures) {
 }
 
 /// The input, how the pairs of states were drawn, and a row per formulation.
-std::string table_of(const Convexity& found, const Json& formulations, const ConvexityOptions& options,
-                     const RunReport& run_report, const std::vector<std::string>& notes) {
+std::string table_of(const Convexity& found, const Json& formulations, const ConvexityRequest& asked,
+                     const RunReport& run_report) {
   Lines lines;
   add_input(run_report, lines);
   add_convention(run_report, lines);
-  lines.add("pairs", pairs_in_words(options));
+  lines.add("pairs", pairs_in_words(asked.convexity));
   lines.add("best", best_in_words(found));
   lines.add("not convex",
             "share of lambda at which F is above its chord, (12), and by how much at the most, of the larger end");
   lines.add("bent down", "share of lambda at which the curvature of F is negative");
   lines.add("linear", "share of the rows that are linear in the state, and of the information that the estimate has from them");
   lines.add("one step", "of Gauss-Newton from the composed start: its share of the whole decrease");
-  for (const std::string& note : notes) lines.add("note", note);
+  const bool is_cut_here = !may_hold_maps(asked.input);
+  if (is_cut_here && found.back().maps == 0) lines.add("note", no_map_in_words(asked.run.split));
   ReportTable table{{{"", ""},
                      {"", "not convex (%)", 3, "/convexity/share_violated", 100.0},
                      {"", "by", 3, "/convexity/largest_violation"},
@@ -112,8 +114,8 @@ std::string csv_of(const Convexity& found) {
   return text;
 }
 
-StudyOutput convexity_output(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report,
-                             const std::vector<std::string>& notes) {
+StudyOutput convexity_output(const Convexity& found, const ConvexityRequest& asked, const RunReport& run_report) {
+  const ConvexityOptions& options = asked.convexity;
   Json report = report_head(run_report);
   report["states"] = options.source;
   report["spread"] = options.source == StateSource::kDrift ? std::optional(options.spread) : std::nullopt;
@@ -124,7 +126,7 @@ StudyOutput convexity_output(const Convexity& found, const ConvexityOptions& opt
   report["formulations"] = Json::array();
   for (const FormulationFigures& figures : found) report["formulations"].push_back(json_of(figures));
   const std::string json = text_of(report);
-  return {table_of(found, report["formulations"], options, run_report, notes),
+  return {table_of(found, report["formulations"], asked, run_report),
           json,
           {{"curves.csv", csv_of(found)}, {"convexity.json", json}}};
 }
@@ -136,18 +138,15 @@ ExitCode run_convexity(const ConvexityRequest& asked, const std::stop_token& sto
   ConvexityOptions options = asked.convexity;
   options.split = asked.run.split;
   options.progress = command_run.progress().count("lines");
-  std::vector<std::string> notes;
   const Convexity found = command_run.with_log_or_maps([&](const auto& data) {
     if constexpr (requires { data.log; }) {
       return convexity(data.log, split_along(data.log, data.segments), data.maps, options, stop).value();
     } else {
-      Convexity all = convexity(data, options, stop).value();
-      if constexpr (requires { data.observations(); }) notes = notes_on_splits(data, {options.split});
-      return all;
+      return convexity(data, options, stop).value();
     }
   });
   command_run.check_interrupted();
-  command_run.hand_over(convexity_output(found, options, command_run.run_report, notes), folder);
+  command_run.hand_over(convexity_output(found, asked, command_run.run_report), folder);
   return ExitCode::kDone;
 }
 

@@ -53,17 +53,11 @@ std::string in_words(const SplitOptions& split) {
   return fmt::format("{:g}{}", split.amount, unit);
 }
 
-template <int Dim>
-std::vector<std::string> notes_on_splits(const Log<Dim>& log, const std::vector<SplitOptions>& splits) {
-  std::vector<std::string> notes;
-  for (const SplitOptions& given : splits) {
-    if (!map_segments(split(log, given).segments).empty()) continue;
-    notes.push_back(
-        fmt::format("maps of {}: this cuts the log into no local map, so that joining is full SLAM once more; "
-                    "--poses-per-map N cuts it",
-                    in_words(given)));
-  }
-  return notes;
+std::string no_map_in_words(const SplitOptions& split) {
+  return fmt::format(
+      "maps of {}: this cuts the log into no local map, so that joining is full SLAM once more; "
+      "another --poses-per-map N may cut it",
+      in_words(split));
 }
 
 std::size_t thread_count(const Options& options) {
@@ -250,8 +244,5 @@ void add_reporting(Subcommand& command, Options& options) {
   add_running(command, options);
   command.path("--report", options.report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
 }
-
-template std::vector<std::string> notes_on_splits(const Log<2>&, const std::vector<SplitOptions>&);
-template std::vector<std::string> notes_on_splits(const Log<3>&, const std::vector<SplitOptions>&);
 
 }  // namespace mapjoin::apps

@@ -77,9 +77,8 @@ std::optional<SplitOptions> split_by_poses(const std::string& word);
 /// A splitting as --poses-per-map and its like name it: "20", "auto", "10 m", "15 features".
 std::string in_words(const SplitOptions& split);
 
-/// A note for each splitting that cuts the log into no local maps, so that joining them is full SLAM.
-template <int Dim>
-std::vector<std::string> notes_on_splits(const Log<Dim>& log, const std::vector<SplitOptions>& splits);
+/// A note that a splitting cuts the log into no local map, so that joining is full SLAM.
+std::string no_map_in_words(const SplitOptions& split);
 
 /// Gives a log or a set of local maps the weights asked for.
 template <typename Data>

@@ -65,19 +65,14 @@ TruthErrors errors_of(const GlobalMap<Dim>& map, const TruthFile& file, const Er
 
 Json json_of(const std::optional<TruthErrors>& errors) {
   if (!errors) return nullptr;
-  Json json = {{"alignment", errors->options.alignment},
-               {"poses", errors->poses},
-               {"ate", errors->absolute.poses},
-               {"features", errors->absolute.features},
-               {"unit", errors->options.unit},
-               {"pairs", errors->options.pairs},
-               {"rpe", Json::array()}};
-  for (std::size_t k = 0; k < errors->spans.size(); ++k) {
-    json["rpe"].push_back({{"span", errors->options.spans[k]}});
-    json["rpe"].back().update(Json(errors->spans[k]));
-  }
-  json["relations"] = errors->relations;
-  return json;
+  return {{"alignment", errors->options.alignment},
+          {"poses", errors->poses},
+          {"ate", errors->absolute.poses},
+          {"features", errors->absolute.features},
+          {"unit", errors->options.unit},
+          {"pairs", errors->options.pairs},
+          {"rpe", over_spans(errors->options.spans, errors->spans)},
+          {"relations", errors->relations}};
 }
 
 void add_errors(const TruthErrors& errors, Lines& lines) {

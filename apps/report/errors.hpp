@@ -53,6 +53,16 @@ struct TruthErrors {
 template <int Dim>
 TruthErrors errors_of(const GlobalMap<Dim>& map, const TruthFile& truth, const ErrorOptions& options = {});
 
+/// Relative errors as JSON, each with its span.
+template <typename Span>
+Json over_spans(const std::vector<Span>& spans, const std::vector<PoseErrorSummary>& errors) {
+  Json all = Json::array();
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    all.push_back({{"span", spans[k]}});
+    all.back().update(Json(errors[k]));
+  }
+  return all;
+}
 /// The errors as JSON; null if there are none.
 Json json_of(const std::optional<TruthErrors>& errors);
 void add_errors(const TruthErrors& errors, Lines& lines);

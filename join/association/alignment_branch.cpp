@@ -121,7 +121,7 @@ void AlignmentBranch<Dim>::place(AlignedPair placed, const CovarianceColumns<Dim
   pairs = far_apart<Dim>(pairs, covariances);
   excess_ += excess_of(pairs, covariances);
   for (const FeaturePair& pair : pairs) hold(pair, covariances);
-  log_odds_ += placed.log_odds;
+  log_odds_ += placed.matches.front().score;
   placed_.push_back(std::move(placed));
 }
 

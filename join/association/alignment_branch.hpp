@@ -41,8 +41,7 @@ class CovarianceColumns {
 struct AlignedPair {
   std::size_t pair = 0;  ///< Index among the pairs of maps.
   std::vector<FeaturePair> features;
-  std::vector<Match> matches;  ///< The match of each of `features`, given the others.
-  double log_odds = 0.0;       ///< Of the alignment (see Matcher::log_odds()).
+  std::vector<Match> matches;  ///< The match of each of `features`, given the others; the score of each is the alignment's.
 };
 
 /// The joined map, given that some features are the same.

@@ -7,7 +7,6 @@
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/cross_covariances.hpp>
-#include <numbers>
 #include <set>
 
 namespace mapjoin {
@@ -73,7 +72,7 @@ OpenFeatures<Dim> FeatureCandidates<Dim>::of_map(std::size_t map, bool only_neig
   const CrossCovariances covariances(estimate_.covariances->equations());
   open.covariances =
       estimate_.scale * covariances.between(estimate_.variables_of(open.features), estimate_.variables_of(open.with_near));
-  const double per_deviation = std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density_.overall();
+  const double per_deviation = density_.confusable_per_deviation();
   for (std::size_t k = 0; k < open.features.size(); ++k) {
     auto& candidates = open.candidates.emplace_back();
     for (const FeatureIndex other : near_to[k]) {

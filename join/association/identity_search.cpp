@@ -83,7 +83,7 @@ bool IdentitySearch<Dim>::extend(const FeatureEstimate<Dim>& estimate) {
 
 template <int Dim>
 bool IdentitySearch<Dim>::align_together(const FeatureEstimate<Dim>& estimate, const MapMatching<Dim>& matching) {
-  JointAlignment<Dim> alignment(estimate, identities_, density_, matching.map_sees(), options_.confidence,
+  JointAlignment<Dim> alignment(estimate, identities_, density_, matching, options_.confidence,
                                 matching.pairs(kFarther, stop_));
   return take(alignment.propose(stop_));
 }

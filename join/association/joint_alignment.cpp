@@ -7,7 +7,6 @@
 #include <limits>
 #include <mapjoin/join/association/joint_alignment.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <numbers>
 #include <optional>
 
 namespace mapjoin {
@@ -62,15 +61,14 @@ bool share_a_pairing(const AlignedPair& one, const AlignedPair& other) {
 
 template <int Dim>
 JointAlignment<Dim>::JointAlignment(const FeatureEstimate<Dim>& estimate, const Identities& identities,
-                                    const NeighbourDensity<Dim>& density, const SightingChance& map_sees, double confidence,
+                                    const NeighbourDensity<Dim>& density, const MapMatching<Dim>& matching, double confidence,
                                     std::vector<MapPair<Dim>> pairs)
     : estimate_(estimate),
       identities_(identities),
-      density_(density),
-      map_sees_(map_sees),
+      matching_(matching),
       confidence_(confidence),
-      per_deviation_(std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density.overall()),
-      gate_(matcher().gate()),
+      per_deviation_(density.confusable_per_deviation()),
+      gate_(matching.matcher().gate()),
       pairs_(std::move(pairs)),
       covariances_(estimate),
       branches_(1) {
@@ -78,17 +76,6 @@ JointAlignment<Dim>::JointAlignment(const FeatureEstimate<Dim>& estimate, const 
   pairs_.resize(std::min(kMostPairs, pairs_.size()));
   is_tried_.resize(pairs_.size());
   coupling_.resize(0, static_cast<Eigen::Index>(pairs_.size()) * Dim);
-}
-
-template <int Dim>
-Matcher<Dim> JointAlignment<Dim>::matcher() const {
-  return {density_, AssociationMethod::kJcbb, confidence_, static_cast<double>(identities_.sighting_count())};
-}
-
-template <int Dim>
-double JointAlignment<Dim>::log_tests() const {
-  const auto maps = static_cast<double>(identities_.map_count());
-  return std::log(0.5 * maps * (maps - 1.0));
 }
 
 template <int Dim>
@@ -160,7 +147,7 @@ PairingProblem<Dim> JointAlignment<Dim>::problem(const Branch& branch, const Fea
   PairingProblem<Dim> problem = branch.problem(features.known, features.sightings, covariances_);
   problem.maps[0].all = problem.known;
   problem.maps[1].all = problem.sightings;
-  problem.map_sees = &map_sees_;
+  problem.map_sees = &matching_.map_sees();
   for (std::size_t s = 0; s < features.sightings.size(); ++s) {
     for (std::size_t k = 0; k < features.known.size(); ++k) {
       const Pairing pairing{k, s};
@@ -177,13 +164,12 @@ template <int Dim>
 std::vector<AlignmentBranch<Dim>> JointAlignment<Dim>::placed(const Branch& branch, std::size_t pair,
                                                               const Features& features) const {
   PairingProblem<Dim> problem = this->problem(branch, features);
-  Matcher<Dim> matcher = this->matcher();
+  Matcher<Dim> matcher = matching_.matcher();
   std::vector<Branch> found;
   for (const Hypothesis<Dim>& placement : matcher.placements(problem)) {
     if (placement.pairings().size() < AlignmentBranch<Dim>::kFewest) continue;
-    if (probability_of(placement.score() - log_tests()) < confidence_) continue;  // chance may find it
+    if (probability_of(placement.score() - matching_.log_pairs()) < confidence_) continue;  // chance may find it
     AlignedPair placed{pair, {}, matcher.matches(problem, placement)};
-    placed.log_odds = placed.matches.front().score;
     for (const Pairing& p : placement.pairings()) {
       placed.features.push_back({features.known[p.known], features.sightings[p.sighting]});
     }
@@ -252,12 +238,12 @@ double JointAlignment<Dim>::share_of(const AlignedPair& placed) const {
                   share_by([](const Branch& b) { return b.log_odds(); }));
 }
 
-/// True if the share of the branches that agree with the best one on each pair of maps reaches placement_confidence().
+/// True if the share of the branches that agree with the best one on each pair of maps reaches
+/// MapMatching::placement_confidence().
 template <int Dim>
 bool JointAlignment<Dim>::is_sure() const {
-  return std::ranges::all_of(branches_.front().placed(), [&](const AlignedPair& p) {
-    return share_of(p) >= placement_confidence(confidence_, identities_);
-  });
+  return std::ranges::all_of(branches_.front().placed(),
+                             [&](const AlignedPair& p) { return share_of(p) >= matching_.placement_confidence(); });
 }
 
 template <int Dim>
@@ -273,8 +259,8 @@ std::vector<Proposal> JointAlignment<Dim>::propose(const std::stop_token& stop) 
     for (std::size_t k = 0; k < placed.features.size(); ++k) {
       Match match = placed.matches[k];
       match.placement_probability *= share;
-      if (match.placement_probability < placement_confidence(confidence_, identities_)) continue;
-      match.probability *= match.placement_probability * probability_of(match.score - log_tests());
+      if (match.placement_probability < matching_.placement_confidence()) continue;
+      match.probability *= match.placement_probability * probability_of(match.score - matching_.log_pairs());
       const auto& [one, other] = placed.features[k];
       const MapPair<Dim>& pair = pairs_[placed.pair];
       if (match.probability >= confidence_) proposals.push_back({one, other, match, {pair.maps[0], pair.maps[1]}});

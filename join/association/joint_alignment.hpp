@@ -15,10 +15,9 @@ namespace mapjoin {
 template <int Dim>
 class JointAlignment {
  public:
-  /// `map_sees` is the chance that a map sees a feature, by the distance of the nearest other one that it sees (m). The
-  /// references must outlive this.
+  /// Of `pairs` of maps that `matching` found. The references must outlive this.
   JointAlignment(const FeatureEstimate<Dim>& estimate, const Identities& identities, const NeighbourDensity<Dim>& density,
-                 const SightingChance& map_sees, double confidence, std::vector<MapPair<Dim>> pairs);
+                 const MapMatching<Dim>& matching, double confidence, std::vector<MapPair<Dim>> pairs);
 
   /// The pairings of the best branch that are probable, whichever branch is right.
   std::vector<Proposal> propose(const std::stop_token& stop);
@@ -47,15 +46,12 @@ class JointAlignment {
   void prune(std::vector<Branch> branches);
   bool is_sure() const;
   double share_of(const AlignedPair& placed) const;
-  Matcher<Dim> matcher() const;
-  double log_tests() const;
 
   const FeatureEstimate<Dim>& estimate_;
   const Identities& identities_;
-  const NeighbourDensity<Dim>& density_;
-  const SightingChance& map_sees_;
+  const MapMatching<Dim>& matching_;
   double confidence_;
-  double per_deviation_;  // number of features that one may be mistaken for, per √det of a covariance
+  double per_deviation_;  // NeighbourDensity::confusable_per_deviation()
   double gate_;
   std::vector<MapPair<Dim>> pairs_;
   std::vector<bool> is_tried_;  // by pair

@@ -25,11 +25,22 @@ Matcher<Dim> MapMatching<Dim>::matcher() const {
   return {density_, method_, confidence_, static_cast<double>(identities_.sighting_count())};
 }
 
+template <int Dim>
+double MapMatching<Dim>::placement_confidence() const {
+  return 1.0 - (1.0 - confidence_) / static_cast<double>(identities_.map_count());
+}
+
+template <int Dim>
+double MapMatching<Dim>::log_pairs() const {
+  const auto maps = static_cast<double>(identities_.map_count());
+  return std::log(0.5 * maps * (maps - 1.0));
+}
+
 /// The features of a map; unpaired are those that the other map does not see and that are not candidates.
 template <int Dim>
-MapFeatures<Dim> MapMatching<Dim>::features_of(std::size_t map, std::size_t other,
-                                               const std::set<FeatureIndex>& candidates) const {
-  MapFeatures<Dim> features;
+MatchedMap<Dim> MapMatching<Dim>::features_of(std::size_t map, std::size_t other,
+                                              const std::set<FeatureIndex>& candidates) const {
+  MatchedMap<Dim> features;
   for (const FeatureIndex f : identities_.features_in(map)) {
     features.all.push_back(estimate_.position(f));
     if (!candidates.contains(f) && !identities_.sees(other, f)) features.unpaired.push_back(estimate_.position(f));
@@ -102,13 +113,12 @@ Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, cons
   PairingProblem<Dim> pairing = problem(features, places, open, earlier);
   pairing.maps = {features_of(earlier, later, known), features_of(later, earlier, sightings)};
   pairing.map_sees = &map_sees_;
-  const auto maps = static_cast<double>(identities_.map_count());
-  if (confusable > 1.0) pairing.log_tests = std::log(0.5 * maps * (maps - 1.0));
+  if (confusable > 1.0) pairing.log_tests = log_pairs();
   const std::vector<Match> matches = matcher(std::move(pairing));
   Proposals proposals;
   for (std::size_t s = 0; s < places.size(); ++s) {
     if (!matches[s].known || matches[s].probability < confidence_) continue;
-    if (matches[s].placement_probability < placement_confidence(confidence_, identities_)) continue;
+    if (matches[s].placement_probability < placement_confidence()) continue;
     const FeatureIndex feature = open.features[places[s]];
     proposals.probable.push_back({features[*matches[s].known], feature, matches[s], {earlier, later}});
   }

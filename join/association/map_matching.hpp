@@ -42,12 +42,6 @@ struct MapPair {
   PointMatrix<Dim> covariance;   ///< Covariance of the difference of the features (m²).
 };
 
-/// The probability asked of the place of a map beside another one, so that with the confidence all maps are in their places:
-/// one that is not bends the joined map.
-inline double placement_confidence(double confidence, const Identities& identities) {
-  return 1.0 - (1.0 - confidence) / static_cast<double>(identities.map_count());
-}
-
 /// Matches pairs of maps with each other, by the joint covariance of their features in the joined map.
 template <int Dim>
 class MapMatching {
@@ -65,11 +59,17 @@ class MapMatching {
   std::vector<MapPair<Dim>> pairs(double reach, const std::stop_token& stop) const;
   /// The chance that a map sees a feature, by the distance of the nearest other one that it sees (m).
   const SightingChance& map_sees() const { return map_sees_; }
+  /// A matcher whose gates hold for all sightings together.
+  Matcher<Dim> matcher() const;
+  /// The probability asked of the place of a map beside another one, so that with the confidence all maps are in their places:
+  /// one that is not bends the joined map.
+  double placement_confidence() const;
+  /// The logarithm of the number of all pairs of maps.
+  double log_pairs() const;
 
  private:
-  MapFeatures<Dim> features_of(std::size_t map, std::size_t other, const std::set<FeatureIndex>& candidates) const;
+  MatchedMap<Dim> features_of(std::size_t map, std::size_t other, const std::set<FeatureIndex>& candidates) const;
   std::vector<MapPair<Dim>> pairs_of(std::size_t map, double reach) const;
-  Matcher<Dim> matcher() const;
   Proposals of_map(std::size_t map, double reach, bool only_neighbours, const std::stop_token& stop) const;
   Proposals of_pair(std::size_t earlier, std::size_t later, const OpenFeatures<Dim>& open, double reach,
                     Matcher<Dim>& matcher) const;

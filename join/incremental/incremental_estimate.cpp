@@ -34,11 +34,6 @@ JoinedIndex IncrementalEstimate<Dim>::add_variable(bool is_pose, const Pose<Dim>
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::place(JoinedIndex v, const Pose<Dim>& value) {
-  variable(v).reference = variable(v).value = value;
-}
-
-template <int Dim>
 FactorIndex IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
   const FactorIndex f(factors_.size());
   for (const JoinedIndex v : map.variables()) {
@@ -207,11 +202,6 @@ void IncrementalEstimate<Dim>::linearise_stale() {
     }
   }
   stale_.clear();
-}
-
-template <int Dim>
-Allowance IncrementalEstimate<Dim>::allowance() const {
-  return {std::min(chi2_, settled_chi2_), rows_, free_};
 }
 
 template <int Dim>

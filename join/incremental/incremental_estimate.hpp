@@ -2,6 +2,7 @@
 #pragma once
 // A joined state kept at the optimum of its maps while maps and variables are added.
 
+#include <algorithm>
 #include <mapjoin/join/incremental/allowance.hpp>
 #include <mapjoin/join/incremental/deferred_front.hpp>
 #include <mapjoin/join/incremental/front_tree.hpp>
@@ -34,7 +35,9 @@ class IncrementalEstimate {
   /// Adds a variable, anchored or free; variables are numbered from 0.
   JoinedIndex add_variable(bool is_pose, const Pose<Dim>& value, bool is_anchored);
   /// Moves a variable that has no map yet.
-  void place(JoinedIndex variable, const Pose<Dim>& value);
+  void place(JoinedIndex variable, const Pose<Dim>& value) {
+    variables_[variable].reference = variables_[variable].value = value;
+  }
   FactorIndex add_factor(MapFactor<Dim> factor);
   /// Removes a factor for good: the next settling is without it.
   void remove_factor(FactorIndex factor);
@@ -62,7 +65,7 @@ class IncrementalEstimate {
   };
   JoinedVariable<Dim>& variable(JoinedIndex v) { return variables_[v]; }
   Factor& factor(FactorIndex f) { return factors_[f]; }
-  Allowance allowance() const;
+  Allowance allowance() const { return {std::min(chi2_, settled_chi2_), rows_, free_}; }
   void sum_chi2();
   void linearise_stale();
   /// Marks the maps that err most as stale if all together err by more than they may.

@@ -19,6 +19,7 @@ struct Subject {
   Covariance covariance = Covariance::kOriginal;
   bool is_joining = false;
   std::optional<SplitOptions> split;
+  std::size_t maps = 0;  // number of local maps
   std::function<BasinRun(const RunOptions&)> solve;
 };
 using Subjects = std::vector<Subject>;
@@ -38,7 +39,7 @@ BasinRun outcome(const Expected<RunResult<Dim>>& result) {
 
 template <int Dim>
 Subject full_slam(const std::shared_ptr<const Log<Dim>>& log, const std::stop_token& stop) {
-  return {log->conventions.covariance, false, std::nullopt,
+  return {log->conventions.covariance, false, std::nullopt, 0,
           [log, stop](const RunOptions& options) { return outcome(solve(*log, options, stop)); }};
 }
 
@@ -48,7 +49,7 @@ Expected<Subject> joining(const std::shared_ptr<const Log<Dim>>& log, Split part
                           const std::stop_token& stop) {
   auto built = build_local_maps(*log, parts, {}, stop);
   if (!built) return tl::unexpected(built.error());
-  return Subject{log->conventions.covariance, true, given,
+  return Subject{log->conventions.covariance, true, given, built->maps.size(),
                  [log, parts = std::move(parts), maps = std::move(built->maps), stop](const RunOptions& options) {
                    return outcome(run_from_maps(*log, parts, maps, options, stop));
                  }};
@@ -85,8 +86,13 @@ std::vector<BasinCell> cells_of(const Subject& subject, int seeds) {
     for (const BasinMethod method : {BasinMethod::kGaussNewton, BasinMethod::kDefault}) {
       for (const Start start : kBasinStarts) {
         const std::size_t runs = start == Start::kRandom ? static_cast<std::size_t>(seeds) : 1;
-        cells.push_back(
-            {subject.covariance, {subject.is_joining, state}, subject.split, method, start, std::vector<BasinRun>(runs)});
+        cells.push_back({subject.covariance,
+                         {subject.is_joining, state},
+                         subject.split,
+                         subject.maps,
+                         method,
+                         start,
+                         std::vector<BasinRun>(runs)});
       }
     }
   }
@@ -209,9 +215,10 @@ Expected<Basin> basin(const SubmapSet<Dim>& set, const BasinOptions& options, co
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   Subjects subjects;
   for (const auto& weighed : weighings(set)) {
-    subjects.push_back({weighed->conventions.covariance, true, {}, [weighed, stop](const RunOptions& solving) {
-                          return outcome(run(*weighed, solving, stop));
-                        }});
+    subjects.push_back(
+        {weighed->conventions.covariance, true, {}, weighed->graph.submaps.size(), [weighed, stop](const RunOptions& solving) {
+           return outcome(run(*weighed, solving, stop));
+         }});
   }
   return basin_of(subjects, options, stop);
 }

@@ -52,6 +52,7 @@ struct BasinCell {
   Covariance covariance = Covariance::kOriginal;
   Formulation formulation;
   std::optional<SplitOptions> split;  ///< Split for joining; nullopt for full SLAM, and for maps that were cut before.
+  std::size_t maps = 0;               ///< Number of local maps that are joined; 0 for full SLAM.
   BasinMethod method = BasinMethod::kGaussNewton;
   Start start = Start::kComposed;
   std::vector<BasinRun> runs;  ///< One run, or one per seed of the random start.

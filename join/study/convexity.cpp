@@ -81,7 +81,7 @@ class PosedProblem {
 
   Expected<FormulationFigures> figures(JoinedState state, const std::vector<Pair<Dim>>& pairs, std::size_t points,
                                        const std::function<void()>& segment_done, const std::stop_token& stop) {
-    FormulationFigures figures{{is_joining_, state}, {}, {}, {}, first_step(state)};
+    FormulationFigures figures{{is_joining_, state}, graph_.maps.size(), {}, {}, {}, first_step(state)};
     join_.estimate() = best_part_;
     join_.linearise();
     if (join_.factorise(0.0)) return bad_input("the best estimate is not determined by the observations");

@@ -52,6 +52,7 @@ struct FirstStep {
 
 struct FormulationFigures {
   Formulation formulation;
+  std::size_t maps = 0;  ///< Number of local maps that are joined; 0 for full SLAM.
   std::vector<LineOfStates> segments;
   CurvatureFigures curvature;  ///< Curvature over all segments.
   QuadraticShare quadratic;    ///< Quadratic share at the best estimate.

@@ -53,16 +53,20 @@ TEST_F(BasinCommand, TakesTheMapsOfAStoreAsTheyWereCut) {
   const json report = report_of({"basin", path("log.maps"), "--seeds", "1"});
   EXPECT_EQ(report["cells"].size(), 2U * 4 * 2 * 3);
   EXPECT_TRUE(report["cells"][23]["local_maps"].is_null());
+  EXPECT_EQ(report["cells"][0]["maps"], 0);
+  EXPECT_GT(report["cells"][23]["maps"], 0);
   EXPECT_EQ(call({"basin", path("log.maps"), "--poses-per-map", "3"}).exit_code, 2);
 }
 
 TEST_F(BasinCommand, SaysWhereThereIsNoLocalMapToJoin) {
   const std::string note =
-      "note         maps of auto: this cuts the log into no local map, so that joining is full SLAM once more";
+      "note         maps of auto: this cuts the log into no local map, so that joining is full SLAM once more; another "
+      "--poses-per-map N may cut it";
   const std::string short_drive = path("short.g2o");
   ASSERT_EQ(call({"simulate", "--poses", "60", "--seed", "2", "-o", short_drive, "--quiet"}).exit_code, 0);
   EXPECT_THAT(call({"basin", short_drive, "--seeds", "1"}).out, HasSubstr(note));
   EXPECT_THAT(call({"convexity", short_drive, "--pairs", "1"}).out, HasSubstr(note));
+  EXPECT_EQ(report_of({"convexity", short_drive, "--pairs", "1"})["formulations"][2]["maps"], 0);
   EXPECT_THAT(call({"basin", short_drive, "--seeds", "1", "--poses-per-map", "20"}).out, Not(HasSubstr("no local map")));
 }
 

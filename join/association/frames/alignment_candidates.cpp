@@ -131,7 +131,7 @@ std::optional<AlignmentCandidate<Dim>> AlignmentCandidates<Dim>::grown_from(cons
   const Pairing centre = seed.front();
   const Features features{first_tree_.nearest(first_.features[centre.known], kRegion),
                           second_tree_.nearest(second_.features[centre.sighting], kRegion)};
-  const PairingProblem<Dim> problem = this->problem(features, *pose);
+  PairingProblem<Dim> problem = this->problem(features, *pose);
   ChiSquaredQuantiles gates = gates_for(features);
   Hypothesis<Dim> hypothesis(problem);
   double prior = 0.0;
@@ -150,6 +150,9 @@ std::optional<AlignmentCandidate<Dim>> AlignmentCandidates<Dim>::grown_from(cons
     candidate.pairs.push_back({features.known[p.known], features.sightings[p.sighting]});
   }
   if (const auto refined = relative_pose(candidate.pairs)) candidate.second_in_first = *refined;
+  for (std::size_t s = 0; s < features.sightings.size(); ++s) {
+    problem.choices.push_back(nearest_known(problem, expected(problem, s, hypothesis)));
+  }
   candidate.score += against(problem, features, hypothesis, candidate.second_in_first, gates);
   return candidate;
 }
@@ -193,24 +196,17 @@ double AlignmentCandidates<Dim>::against(const PairingProblem<Dim>& problem, con
   };
   const double radius =
       std::min(reach(problem.known, first_.features.size()), reach(problem.sightings, second_.features.size()));
-  std::vector<bool> has_partner(features.known.size(), false);
+  const KnownAndSightings alone = hypothesis.without_partner(model_.density, gates);
   double sum = 0.0;
-  for (std::size_t s = 0; s < features.sightings.size(); ++s) {
-    const auto own = hypothesis.known_of(s);
-    bool is_explained = own.has_value();
-    if (own) has_partner[*own] = true;
-    for (const std::size_t k : nearest_known(problem, expected(problem, s, hypothesis))) {
-      if (own || !hypothesis.extension({k, s}, model_.density, gates)) continue;
-      is_explained = has_partner[k] = true;
-    }
-    if (is_explained || (problem.sightings[s] - problem.sightings.front()).norm() > radius) continue;
+  for (const std::size_t s : alone.sightings) {
+    if ((problem.sightings[s] - problem.sightings.front()).norm() > radius) continue;
     const std::size_t feature = features.sightings[s];
     const double variance = 2.0 * second_.relative_covariance(features.sightings.front(), feature).trace();
     sum += unseen_by_first(transform(pose, second_.features[feature]), variance);
   }
   const Pose<Dim> first_in_second = inverse(pose);
-  for (std::size_t k = 0; k < features.known.size(); ++k) {
-    if (has_partner[k] || (problem.known[k] - problem.known.front()).norm() > radius) continue;
+  for (const std::size_t k : alone.known) {
+    if ((problem.known[k] - problem.known.front()).norm() > radius) continue;
     const double variance = 2.0 * first_.relative_covariance(features.known.front(), features.known[k]).trace();
     sum += unseen_by_second(transform(first_in_second, problem.known[k]), variance);
   }

@@ -47,10 +47,7 @@ class AlignmentCandidates {
 
  private:
   /// Features of the first map (known) and of the second one (sightings), by index in their maps.
-  struct Features {
-    std::vector<std::size_t> known;
-    std::vector<std::size_t> sightings;
-  };
+  using Features = KnownAndSightings;
   double unseen(const Point<Dim>& feature, double variance, const FeatureMap<Dim>& map, const PointTree<Dim>& poses) const;
   PairingProblem<Dim> problem(const Features& features, const Pose<Dim>& pose) const;
   double anywhere(const Extension<Dim>& extension) const;

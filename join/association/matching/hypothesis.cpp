@@ -255,6 +255,27 @@ void Hypothesis<Dim>::extend_by(const std::vector<Pairing>& pairings, const Neig
 }
 
 template <int Dim>
+KnownAndSightings Hypothesis<Dim>::without_partner(const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) const {
+  KnownAndSightings alone;
+  std::vector<bool> has_partner(problem_->known.size(), false);
+  for (const Pairing& pairing : pairings_) has_partner[pairing.known] = true;
+  for (std::size_t s = 0; s < known_of_.size(); ++s) {
+    if (known_of_[s]) continue;
+    bool is_alone = true;
+    for (const std::size_t k : problem_->choices[s]) {
+      if (!extension({k, s}, density, gates)) continue;
+      has_partner[k] = true;
+      is_alone = false;
+    }
+    if (is_alone) alone.sightings.push_back(s);
+  }
+  for (std::size_t k = 0; k < has_partner.size(); ++k) {
+    if (!has_partner[k]) alone.known.push_back(k);
+  }
+  return alone;
+}
+
+template <int Dim>
 ShiftGrowth<Dim> Hypothesis<Dim>::growth() const {
   Eigen::MatrixXd moved = PointMatrix<Dim>::Identity().replicate(static_cast<Eigen::Index>(pairings_.size()), 1);
   factor_.template triangularView<Eigen::Lower>().solveInPlace(moved);

@@ -28,10 +28,10 @@ inline double probability_of(double log_odds) {
   return 1.0 / (1.0 + std::exp(-log_odds));
 }
 
-/// The features of one of two maps that are matched, to tell which of them the other map should have seen, or how the map falls
+/// One of two maps that are matched: its features, to tell which of them the other map should have seen, or how the map falls
 /// onto itself.
 template <int Dim>
-struct MapFeatures {
+struct MatchedMap {
   std::vector<Point<Dim>> all;       ///< All that the map sees (m).
   std::vector<Point<Dim>> unpaired;  ///< Those that can be none of the other map's (m).
 };
@@ -48,7 +48,7 @@ struct PairingProblem {
   /// By known feature, its distances (m) from the pose that saw it last and from that of the sightings: if a sighting is of
   /// another feature there, they overlooked one of the two. Empty without `sees`.
   std::vector<std::array<double, 2>> distances;
-  std::array<MapFeatures<Dim>, 2> maps;  ///< Those of the known features and of the sightings, if these are two; else empty.
+  std::array<MatchedMap<Dim>, 2> maps;  ///< Those of the known features and of the sightings, if these are two; else empty.
   /// The chance that a map sees a feature, by the distance of the nearest other one that it sees (m); null if that is not
   /// known.
   const SightingChance* map_sees = nullptr;
@@ -62,6 +62,12 @@ struct PairingProblem {
   Eigen::Index row_of_sighting(std::size_t point) const { return row_of_known(known.size() + point); }
   /// The logarithm of the chance that a feature was overlooked from all distances of a known one, each known to ± `error` (m).
   double log_overlooked(std::size_t known, double error) const;
+};
+
+/// Points of a PairingProblem, by their indices.
+struct KnownAndSightings {
+  std::vector<std::size_t> known;
+  std::vector<std::size_t> sightings;
 };
 
 /// A pairing that can be added to a hypothesis, and its gain.
@@ -128,6 +134,8 @@ class Hypothesis {
   /// few fall with others.
   std::vector<std::optional<GivenOthers<Dim>>> given_others(const NeighbourDensity<Dim>& density,
                                                             ChiSquaredQuantiles& gates) const;
+  /// The points that are neither paired nor among choices that fit: those by which the hypothesis could be extended.
+  KnownAndSightings without_partner(const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) const;
   /// Extends the hypothesis by those of the pairings, in their order, that can be added.
   void extend_by(const std::vector<Pairing>& pairings, const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -43,44 +42,29 @@ Point<Dim> nearest_difference(const Point<Dim>& point, const PairingProblem<Dim>
   return problem.difference(*std::ranges::min_element(placement.pairings(), {}, distance));
 }
 
-/// The features of each map without partner: those that can have none, and those for which no choice fits the placement.
-template <int Dim>
-std::array<std::vector<Point<Dim>>, 2> without_partner(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement,
-                                                       const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) {
-  std::array<std::vector<Point<Dim>>, 2> alone{problem.maps[0].unpaired, problem.maps[1].unpaired};
-  std::vector<bool> has_partner(problem.known.size(), false);
-  for (std::size_t s = 0; s < problem.sightings.size(); ++s) {
-    const auto own = placement.known_of(s);
-    bool is_explained = own.has_value();
-    if (own) has_partner[*own] = true;
-    for (const std::size_t k : problem.choices[s]) {
-      if (own || !placement.extension({k, s}, density, gates)) continue;
-      is_explained = has_partner[k] = true;
-    }
-    if (!is_explained) alone[1].push_back(problem.sightings[s]);
-  }
-  for (std::size_t k = 0; k < problem.known.size(); ++k) {
-    if (!has_partner[k]) alone[0].push_back(problem.known[k]);
-  }
-  return alone;
-}
-
 /// The logarithm of the chance that, where a placement lays two maps on each other, each overlooked all features of the other
 /// for which it has none that fits; 0 if the chance of a sighting is not known, or nothing is paired.
 template <int Dim>
 double log_overlooked(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement,
                       const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) {
   if (!problem.map_sees || placement.pairings().empty()) return 0.0;
-  const auto alone = without_partner(problem, placement, density, gates);
-  const auto overlooked = [&](const Point<Dim>& point, const MapFeatures<Dim>& by) {
-    return problem.map_sees->log_overlooked(distance_of_nearest<Dim>(point, by.all), 0.0);
-  };
-  const auto known = [&](const Pairing& pairing) -> const Point<Dim>& { return problem.known[pairing.known]; };
-  const auto sighting = [&](const Pairing& pairing) -> const Point<Dim>& { return problem.sightings[pairing.sighting]; };
+  const KnownAndSightings alone = placement.without_partner(density, gates);
+  const auto place_of_known = [&](const Pairing& pairing) { return problem.known[pairing.known]; };
+  const auto place_of_sighting = [&](const Pairing& pairing) { return problem.sightings[pairing.sighting]; };
   double sum = 0.0;
-  for (const auto& p : alone[0]) sum += overlooked(p - nearest_difference<Dim>(p, problem, placement, known), problem.maps[1]);
-  for (const auto& p : alone[1])
-    sum += overlooked(p + nearest_difference<Dim>(p, problem, placement, sighting), problem.maps[0]);
+  const auto add = [&](const Point<Dim>& point, const MatchedMap<Dim>& by) {
+    sum += problem.map_sees->log_overlooked(distance_of_nearest<Dim>(point, by.all), 0.0);
+  };
+  const auto add_known = [&](const Point<Dim>& p) {
+    add(p - nearest_difference<Dim>(p, problem, placement, place_of_known), problem.maps[1]);
+  };
+  const auto add_sighting = [&](const Point<Dim>& p) {
+    add(p + nearest_difference<Dim>(p, problem, placement, place_of_sighting), problem.maps[0]);
+  };
+  std::ranges::for_each(problem.maps[0].unpaired, add_known);
+  for (const std::size_t k : alone.known) add_known(problem.known[k]);
+  std::ranges::for_each(problem.maps[1].unpaired, add_sighting);
+  for (const std::size_t s : alone.sightings) add_sighting(problem.sightings[s]);
   return sum;
 }
 

@@ -108,6 +108,11 @@ void NeighbourDensity<Dim>::set_overall(double overall) {
 }
 
 template <int Dim>
+double NeighbourDensity<Dim>::confusable_per_deviation() const {
+  return std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * overall_;
+}
+
+template <int Dim>
 double NeighbourDensity<Dim>::log_within(double squared_distance, double variance) const {
   static const std::array<double, kBalls> balls = squared_radii<Dim>();
   const double mean_square = squared_distance + Dim * variance;

@@ -25,6 +25,9 @@ class NeighbourDensity {
   /// square. One pair more is counted than was seen; the density is at most overall().
   double log_within(double squared_distance, double variance) const;
   double overall() const { return overall_; }
+  /// The number of other features that one may be mistaken for, per √det of the covariance of the difference (1/m to the power
+  /// of Dim).
+  double confusable_per_deviation() const;
   /// Takes another density over all features around, of which the sets show a share: a sensor may give one feature at a time,
   /// or overlook many. The density at every distance is then as many times higher.
   void set_overall(double overall);

@@ -53,7 +53,7 @@ TYPED_TEST(AlignmentBranchTest, ExpectsFeaturesWhereTheDenseConditionalHasThem) 
   CovarianceColumns<kDim> columns(apart.estimate);
   columns.add(all);
   AlignmentBranch<kDim> branch;
-  branch.place({0, held, {}}, columns);
+  branch.place({0, held, std::vector<Match>(held.size())}, columns);
   ASSERT_EQ(branch.held().size(), AlignmentBranch<kDim>::kFewest);
   const PairingProblem<kDim> problem = branch.problem(known, sightings, columns);
 
@@ -86,11 +86,11 @@ TYPED_TEST(AlignmentBranchTest, IsChargedForWhereAMapIsPlacedNotForErrorsOfItsFe
   CovarianceColumns<kDim> columns(apart.estimate);
   for (const FeaturePair& p : apart.same) columns.add(std::vector<FeatureIndex>{p.one, p.other});
   AlignmentBranch<kDim> once;
-  once.place({0, apart.same, {}}, columns);
+  once.place({0, apart.same, std::vector<Match>(apart.same.size())}, columns);
   EXPECT_GE(once.excess(), -kPoseDof<kDim>);
   EXPECT_LT(once.excess(), 30.0);
   AlignmentBranch<kDim> twice = once;
-  twice.place({1, once.held(), {}}, columns);  // the same pairs again
+  twice.place({1, once.held(), std::vector<Match>(once.held().size())}, columns);  // the same pairs again
   EXPECT_EQ(twice.excess(), once.excess());
   EXPECT_EQ(twice.held().size(), once.held().size());
 }

@@ -92,6 +92,7 @@ TYPED_TEST(BasinTest, JoinsASetOfLocalMaps) {
   EXPECT_NEAR(found.best_chi2[0], run(set, RunOptions{}).value().chi2, 1e-6 * found.best_chi2[0]);
   for (const BasinCell& cell : found.cells) {
     EXPECT_TRUE(cell.formulation.is_joining);
+    EXPECT_EQ(cell.maps, set.graph.submaps.size());
     EXPECT_TRUE(cell.start != Start::kComposed || cell.hits() == 1) << to_string(cell.method);
   }
 }
