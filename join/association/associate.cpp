@@ -92,14 +92,26 @@ Associated<Data> associated(const Data& data, const std::vector<NamedSighting>& 
   return result;
 }
 
+/// The result of a second search, whose gates are narrow at first, if it has fewer features than the first one: maps laid in a
+/// wrong place leave features twice that are seen again. Otherwise the result of the first search, whose gates are wide.
 template <int Dim, template <int> typename Source>
-Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, Identities identities,
-                                           std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
-                                           const AssociationOptions& options,
+Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, const Identities& identities,
+                                           const std::vector<std::optional<Match>>& matches,
+                                           const NeighbourDensity<Dim>& density, const AssociationOptions& options,
                                            const typename IdentitySearch<Dim>::EstimateOf& estimate_of,
                                            const std::vector<NamedSighting>& seen, const std::stop_token& stop) {
-  IdentitySearch<Dim> search(std::move(identities), std::move(matches), density, options, estimate_of, stop);
-  return search.run().map([&] { return associated(data, seen, search); });
+  IdentitySearch<Dim> first(identities, matches, density, options, estimate_of, Gates::kWide, stop);
+  if (auto ran = first.run(); !ran) return tl::unexpected(ran.error());
+  const bool has_merged = first.identities().feature_count() < identities.feature_count();
+  if (options.method == AssociationMethod::kNearest || !has_merged) return associated(data, seen, first);
+  AssociationOptions further = options;
+  if (options.progress) further.progress = [&](std::size_t joins) { options.progress(first.joins() + joins); };
+  IdentitySearch<Dim> second(identities, matches, density, further, estimate_of, Gates::kNarrowFirst, stop);
+  if (auto ran = second.run(); !ran) return tl::unexpected(ran.error());
+  const bool is_better = second.identities().feature_count() < first.identities().feature_count();
+  auto found = associated(data, seen, is_better ? second : first);
+  found.joins = first.joins() + second.joins();
+  return found;
 }
 
 }  // namespace
@@ -134,8 +146,8 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
       return error_of_estimate(renamed(log, known), join, std::move(error));
     });
   };
-  return found_in(log, identities_of(log, seen, sightings_of(log, split), std::move(labels), options), std::move(matches),
-                  density, options, estimate, seen, stop);
+  return found_in(log, identities_of(log, seen, sightings_of(log, split), std::move(labels), options), matches, density,
+                  options, estimate, seen, stop);
 }
 
 template <int Dim>

@@ -21,7 +21,7 @@ struct AssociationOptions {
   AssociationMethod method = AssociationMethod::kJcbb;
   /// True if names are right within each part that they tie together; only parts that nothing ties are then matched.
   bool names_hold = false;
-  std::size_t most_joins = 100;               ///< The most joins; the search then ends, settled or not.
+  std::size_t most_joins = 100;               ///< The most joins of a search, which then ends, settled or not.
   std::function<void(std::size_t)> progress;  ///< Called with the number of joins so far.
 
   /// Every violation in words; empty if the options are valid.
@@ -50,7 +50,7 @@ template <typename Data>
 struct Associated {
   Data data;
   std::vector<AssociatedSighting> sightings;  ///< In order: observations of a log; features of a set's maps, then observations.
-  std::size_t joins = 0;                      ///< Number of joins.
+  std::size_t joins = 0;                      ///< Number of joins of both searches.
   bool is_settled = false;                    ///< True if the last join found nothing more to merge or to tell apart.
   std::vector<UntiedParts> untied;            ///< Every pair of parts that stay apart; empty if there is one part only.
 };
@@ -61,7 +61,8 @@ struct Associated {
 /// covariances, maps are matched with each other (MapMatching), first neighbours, then all that probably overlap, repeatedly
 /// until nothing more is found; then maps that could lie on each other in several ways, all together (JointAlignment), and maps
 /// whose relative pose is hardly known, the surest pair at a time. Sightings that no longer fit, by leave-one-out tests, are
-/// told apart again and get one second chance in the end. Parts that no edge ties, such as sessions of unknown frames, are
+/// told apart again and get one second chance in the end. All this is done twice, the second time first with what fits well
+/// alone; the result is the one with fewer features. Parts that no edge ties, such as sessions of unknown frames, are
 /// first associated each by itself, then aligned by constellations of their features (align_maps()); those that cannot be
 /// aligned stay apart. kBadInput if check_invariants() finds a fault, or priors of features, which refer to their names; other
 /// errors as of join(); kInterrupted on `stop`. The result is the same for any number of threads.

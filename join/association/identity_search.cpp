@@ -17,11 +17,12 @@ constexpr double kFarthest = 1e6;
 template <int Dim>
 IdentitySearch<Dim>::IdentitySearch(Identities identities, std::vector<std::optional<Match>> matches,
                                     const NeighbourDensity<Dim>& density, const AssociationOptions& options,
-                                    EstimateOf estimate_of, const std::stop_token& stop)
+                                    EstimateOf estimate_of, Gates gates, const std::stop_token& stop)
     : identities_(std::move(identities)),
       density_(density),
       options_(options),
       estimate_of_(std::move(estimate_of)),
+      gates_(gates),
       stop_(stop),
       gate_(Matcher<Dim>(density, options.method, options.confidence, sightings()).gate()),
       matches_(std::move(matches)) {}
@@ -74,7 +75,14 @@ std::vector<std::size_t> IdentitySearch<Dim>::taken_with(const SightingTest& mis
 
 template <int Dim>
 bool IdentitySearch<Dim>::extend(const FeatureEstimate<Dim>& estimate) {
-  const MapMatching<Dim> matching(estimate, identities_, density_, options_.method, options_.confidence);
+  const bool is_first = joins_ == 1;
+  if (gates_ == Gates::kNarrowFirst && !is_first && extend(estimate, 1.0)) return true;
+  return extend(estimate, sightings());
+}
+
+template <int Dim>
+bool IdentitySearch<Dim>::extend(const FeatureEstimate<Dim>& estimate, double decisions) {
+  const MapMatching<Dim> matching(estimate, identities_, density_, options_.method, options_.confidence, decisions);
   const bool is_first = joins_ == 1;
   if (take(matching.propose(kInPlace, is_first, stop_).probable) || is_first) return true;  // the next join matches all maps
   if (options_.method == AssociationMethod::kNearest) return false;

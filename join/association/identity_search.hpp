@@ -2,6 +2,7 @@
 #pragma once
 // The search for features that are the same, join after join.
 
+#include <cstdint>
 #include <functional>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/frames/part_ties.hpp>
@@ -14,6 +15,10 @@
 
 namespace mapjoin {
 
+/// The gates of a search: those of all sightings together, which no right match should miss, or at first those of one, which
+/// what fits badly misses, though it may be right.
+enum class Gates : std::uint8_t { kWide, kNarrowFirst };
+
 /// Finds identities by joining with those known so far.
 template <int Dim>
 class IdentitySearch {
@@ -23,7 +28,7 @@ class IdentitySearch {
 
   /// `matches` are by sighting, with its feature so far; nullopt if not matched.
   IdentitySearch(Identities identities, std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
-                 const AssociationOptions& options, EstimateOf estimate_of, const std::stop_token& stop);
+                 const AssociationOptions& options, EstimateOf estimate_of, Gates gates, const std::stop_token& stop);
 
   /// Searches until nothing changes or most_joins is reached. Errors as of EstimateOf; kInterrupted on stop.
   Expected<void> run();
@@ -45,9 +50,11 @@ class IdentitySearch {
   bool undo(const std::vector<SightingTest>& misfits);
   /// The sightings of a feature by the misfitting map or, if names hold, by the part of that map; empty if these are all.
   std::vector<std::size_t> taken_with(const SightingTest& misfit) const;
-  /// Merges probable matches: all of maps that are in place; if there are none, those of maps aligned together, or of the
-  /// surest pair of maps.
+  /// Merges probable matches within the gates.
   bool extend(const FeatureEstimate<Dim>& estimate);
+  /// Merges probable matches within the gates of so many decisions: all of maps that are in place; if there are none, those of
+  /// maps aligned together, or of the surest pair of maps.
+  bool extend(const FeatureEstimate<Dim>& estimate, double decisions);
   /// Merges probable matches of maps that could lie on each other in several ways, all of them together.
   bool align_together(const FeatureEstimate<Dim>& estimate, const MapMatching<Dim>& matching);
   /// Merges probable matches of the surest pair of maps that are not in place.
@@ -60,6 +67,7 @@ class IdentitySearch {
   const NeighbourDensity<Dim>& density_;
   const AssociationOptions& options_;
   EstimateOf estimate_of_;
+  Gates gates_;
   const std::stop_token& stop_;
   double gate_;
   std::vector<std::optional<Match>> matches_;

@@ -9,12 +9,14 @@ namespace mapjoin {
 
 template <int Dim>
 MapMatching<Dim>::MapMatching(const FeatureEstimate<Dim>& estimate, const Identities& identities,
-                              const NeighbourDensity<Dim>& density, AssociationMethod method, double confidence)
+                              const NeighbourDensity<Dim>& density, AssociationMethod method, double confidence,
+                              double decisions)
     : estimate_(estimate),
       identities_(identities),
       density_(density),
       method_(method),
       confidence_(confidence),
+      decisions_(decisions),
       candidates_(estimate, identities, density, matcher().gate()) {
   // Nearest neighbours go by distances alone.
   if (method != AssociationMethod::kNearest) map_sees_ = candidates_.sighting_chance();
@@ -22,7 +24,7 @@ MapMatching<Dim>::MapMatching(const FeatureEstimate<Dim>& estimate, const Identi
 
 template <int Dim>
 Matcher<Dim> MapMatching<Dim>::matcher() const {
-  return {density_, method_, confidence_, static_cast<double>(identities_.sighting_count())};
+  return {density_, method_, confidence_, decisions_};
 }
 
 template <int Dim>

@@ -46,9 +46,9 @@ struct MapPair {
 template <int Dim>
 class MapMatching {
  public:
-  /// The references must outlive this.
+  /// No right match is outside of the gates of so many `decisions`, with the confidence. The references must outlive this.
   MapMatching(const FeatureEstimate<Dim>& estimate, const Identities& identities, const NeighbourDensity<Dim>& density,
-              AssociationMethod method, double confidence);
+              AssociationMethod method, double confidence, double decisions);
 
   /// Matches of pairs of maps whose features may coincide, and of set-aside sightings within a map. A pair of maps is tried
   /// only if none of its features may be mistaken for more than `reach` others, given the uncertainty of the maps. With
@@ -59,7 +59,7 @@ class MapMatching {
   std::vector<MapPair<Dim>> pairs(double reach, const std::stop_token& stop) const;
   /// The chance that a map sees a feature, by the distance of the nearest other one that it sees (m).
   const SightingChance& map_sees() const { return map_sees_; }
-  /// A matcher whose gates hold for all sightings together.
+  /// A matcher with the gates of all decisions.
   Matcher<Dim> matcher() const;
   /// The probability asked of the place of a map beside another one, so that with the confidence all maps are in their places:
   /// one that is not bends the joined map.
@@ -83,6 +83,7 @@ class MapMatching {
   const NeighbourDensity<Dim>& density_;
   AssociationMethod method_;
   double confidence_;
+  double decisions_;
   FeatureCandidates<Dim> candidates_;
   SightingChance map_sees_;
 };

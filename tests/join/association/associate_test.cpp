@@ -182,6 +182,16 @@ TEST(AssociateTest, IsMisledByNoRowsWhereTurnsAreHardlyKnown) {
   EXPECT_GE(score.recall, 0.97);
 }
 
+/// Here the first search lays maps in a wrong place that fits badly, and sees half of the features twice.
+TEST(AssociateTest, FindsByAnotherSearchWhatAWrongPlaceHides) {
+  const Log<2> log =
+      simulate_manhattan<2>({.poses = 1000, .seed = 561, .side = 45.0, .feature_cell = 4.0, .range = 3.5, .turn_noise = 0.03})
+          .log;
+  const testing::PairScore score = testing::pair_score(associate(log, AssociationOptions{}).value().sightings);
+  EXPECT_GE(score.precision, 0.999);
+  EXPECT_GE(score.recall, 0.98);
+}
+
 TEST(AssociateTest, DoesNotLookAtNames) {
   const Log<2> log = wood<2>(100);
   Log<2> renamed = log;

@@ -31,7 +31,7 @@ std::vector<MapPair<Dim>> pairs_within_reach(const SubmapSet<Dim>& set) {
   for (const auto& map : set.graph.submaps) seen_at_once.push_back(map.feature_estimates);
   const NeighbourDensity<Dim> density(seen_at_once);
   const auto estimate = estimate_of(renamed(set, identities), {}).value();
-  return MapMatching<Dim>(estimate, identities, density, AssociationMethod::kJcbb, 0.99).pairs(10.0, {});
+  return MapMatching<Dim>(estimate, identities, density, AssociationMethod::kJcbb, 0.99, 100.0).pairs(10.0, {});
 }
 
 template <typename D>
