@@ -250,8 +250,7 @@ class Follower {
     if (!has_map()) fail(ErrorKind::kBadInput, options_.input.string() + ": the log has no edges yet");
     if (auto* map = std::get_if<GrowingMap<2>>(&map_)) map->join_complete(true);
     if (auto* map = std::get_if<GrowingMap<3>>(&map_)) map->join_complete(true);
-    const bool more_may_come = !is_complete && options_.read.undeclared == Undeclared::kRefused;
-    return {(more_may_come ? file_.so_far() : file_.whole()).value(), fault_};
+    return {(is_complete ? file_.whole() : file_.so_far()).value(), fault_};
   }
 
   bool has_map() const { return map_.index() > 0; }

@@ -37,7 +37,7 @@ class CovarianceColumns {
   Table<FeatureIndex, Eigen::MatrixXd> columns_;  // by feature; empty if not present
 };
 
-/// A pair of maps, with the pairings by which a branch aligns them.
+/// A pair of maps, with the pairings, at least one, by which a branch aligns them.
 struct AlignedPair {
   std::size_t pair = 0;  ///< Index among the pairs of maps.
   std::vector<FeaturePair> features;

@@ -107,8 +107,9 @@ Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, const Identi
   AssociationOptions further = options;
   if (options.progress) further.progress = [&](std::size_t joins) { options.progress(first.joins() + joins); };
   IdentitySearch<Dim> second(identities, matches, density, further, estimate_of, Gates::kNarrowFirst, stop);
-  if (auto ran = second.run(); !ran) return tl::unexpected(ran.error());
-  const bool is_better = second.identities().feature_count() < first.identities().feature_count();
+  const auto ran_again = second.run();
+  if (!ran_again && ran_again.error().kind == ErrorKind::kInterrupted) return tl::unexpected(ran_again.error());
+  const bool is_better = ran_again && second.identities().feature_count() < first.identities().feature_count();
   auto found = associated(data, seen, is_better ? second : first);
   found.joins = first.joins() + second.joins();
   return found;

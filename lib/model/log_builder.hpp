@@ -77,7 +77,8 @@ class LogBuilder {
   void append(const Log<Dim>& log, std::uint32_t first_session = 0);
   /// Removes poses and features without an initial value, with their time stamps, and returns what refers to them.
   LeftOut<Dim> take_undeclared();
-  /// Forgets poses and features that no factor names, with their values and time stamps, and their fixing.
+  /// Forgets poses and features that no factor names, with their values, time stamps and fixing, and where poses are fixed
+  /// without a value, all but the first.
   void forget_loose();
 
   /// Adds odometry or a closure; finish() decides which it is.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/log_builder.hpp>
+#include <utility>
 
 namespace mapjoin {
 
@@ -31,6 +32,14 @@ void LogBuilder<Dim>::forget_loose() {
   forget(features_.initial, features);
   forget(stamps_, poses);
   forget(fixed_, poses);
+  std::vector<PoseId> with_value;
+  for (const auto& said : poses_.initial) with_value.push_back(said.id);
+  make_distinct(with_value);
+  bool is_first = true;
+  std::erase_if(fixed_, [&](const auto& fixed) {
+    const bool has_value = fixed.value || std::ranges::binary_search(with_value, fixed.id);
+    return !has_value && !std::exchange(is_first, false);
+  });
 }
 
 template void LogBuilder<2>::forget_loose();

@@ -162,6 +162,7 @@ double extent_of(const std::vector<PlacedVariable<Dim>>& variables) {
 
 template <int Dim>
 std::string free_directions(std::vector<PlacedVariable<Dim>> variables, Eigen::MatrixXd N) {
+  if (N.cols() == 0) return {};
   const double extent = extent_of(variables);
   for (auto& variable : variables) {
     variable.value.translation /= extent;

@@ -41,11 +41,11 @@ TEST_F(Output, ARunTakesAwayWhatAnEarlierOneWroteMore) {
 
 TEST_F(Output, FilesOfARunKeepThePermissionsOfThoseThatTheyReplace) {
   ASSERT_EQ(call({"run", kBundledLog, "-o", path("out")}).exit_code, 0);
-  for (const std::string& name : names_in(path("out"))) fs::permissions(path("out/" + name), fs::perms(0640));
+  for (const std::string& name : names_in(path("out"))) fs::permissions(path("out/" + name), fs::perms(0604));
   fs::remove(path("out/map.svg"));
   ASSERT_EQ(call({"run", kBundledLog, "-o", path("out")}).exit_code, 0);
   for (const std::string& name : names_in(path("out"))) {
-    EXPECT_EQ(fs::status(path("out/" + name)).permissions() == fs::perms(0640), name != "map.svg") << name;
+    EXPECT_EQ(fs::status(path("out/" + name)).permissions() == fs::perms(0604), name != "map.svg") << name;
   }
 }
 

@@ -134,7 +134,7 @@ class Hypothesis {
   /// few fall with others.
   std::vector<std::optional<GivenOthers<Dim>>> given_others(const NeighbourDensity<Dim>& density,
                                                             ChiSquaredQuantiles& gates) const;
-  /// The points that are neither paired nor among choices that fit: those by which the hypothesis could be extended.
+  /// The points that are neither paired nor among the choices by which the hypothesis could be extended.
   KnownAndSightings without_partner(const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates) const;
   /// Extends the hypothesis by those of the pairings, in their order, that can be added.
   void extend_by(const std::vector<Pairing>& pairings, const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates);

@@ -66,9 +66,14 @@ Mumps::Mumps(const Communicator& comm, const MumpsOptions& options) : comm_(comm
 }
 
 Mumps::~Mumps() {
-  if (std::uncaught_exceptions() > 0) return;  // the other ranks may not come here
+  if (!mumps_ || std::uncaught_exceptions() > 0) return;  // the other ranks may not come here
+  end();
+}
+
+void Mumps::end() {
   mumps_->job = kEnd;
   dmumps_c(mumps_.get());
+  mumps_.reset();
 }
 
 int Mumps::call(int job) {
@@ -77,9 +82,11 @@ int Mumps::call(int job) {
   const int status = mumps_->info(1);
   if (status == kTooLittleMemory) throw std::bad_alloc();
   if (status == kFilesFailed) {
-    fail(ErrorKind::kCannotWrite, fmt::format("{}: the files of the factor could not be written or read there, as on a full "
-                                              "disk; --out-of-core takes a folder with more room",
-                                              mumps_->ooc_tmpdir));
+    const std::string folder = mumps_->ooc_tmpdir;
+    end();  // and with it its files
+    fail(ErrorKind::kCannotWrite, folder +
+                                      ": the files of the factor could not be written or read there, as on a full disk; "
+                                      "--out-of-core takes a folder with more room");
   }
   const bool is_known = status >= 0 || status == kTooLittleIntegerSpace || status == kTooLittleRealSpace ||
                         status == kSingular || status == kNotPositive;

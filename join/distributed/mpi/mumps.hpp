@@ -17,8 +17,9 @@ struct MumpsOptions {
 };
 
 /// The factorisation of A = Σ A_r, whose A_r is that of rank r; its rows are in elimination order. Failures are the same on all
-/// ranks: std::bad_alloc if memory is too little; tl::bad_expected_access<Error>, with kCannotWrite, if files of the factor
-/// cannot be written, as on a full disk, and with kUsage if the name of their folder is too long; otherwise std::runtime_error.
+/// ranks: std::bad_alloc if memory is too little; tl::bad_expected_access<Error>, with kCannotWrite, if MUMPS cannot
+/// write files of the factor, after which this can only be destroyed, and with kUsage if the name of their folder is too long;
+/// otherwise std::runtime_error.
 class Mumps {
  public:
   Mumps(const Communicator& comm, const MumpsOptions& options);
@@ -39,6 +40,8 @@ class Mumps {
   struct Instance;
   /// Runs a job of MUMPS, and returns its status, INFOG(1).
   int call(int job);
+  /// Ends the instance, and takes away its files.
+  void end();
 
   const Communicator& comm_;
   std::unique_ptr<Instance> mumps_;

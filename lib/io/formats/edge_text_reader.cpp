@@ -57,7 +57,7 @@ class EdgeTextReader {
       count_skipped(undeclared);
       undeclared.edges.clear();
     }
-    if (auto fixed = check_fixed(); !fixed) return tl::unexpected(fixed.error());
+    if (auto fixed = is_to_come ? Expected<void>() : check_fixed(); !fixed) return tl::unexpected(fixed.error());
     return std::move(builder_).finish().and_then([&](Log<Dim>&& log) -> Expected<Log<Dim>> {
       if (has_vertices && (log.poses.size() > poses_.size() || log.features.size() > features_.size())) {
         return tl::unexpected(first_undeclared());

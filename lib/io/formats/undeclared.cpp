@@ -56,8 +56,12 @@ std::set<std::uint64_t> not_named_as_poses(TextScanner text, const EdgeText<Dim>
     const PriorTag* prior = format.prior(tag);
     const bool is_edge = tag == format.edge_tag;
     const bool is_of_pose = is_edge || tag == format.observation_tag || (prior && prior->kind != PriorTag::Kind::kFeature);
-    if (is_of_pose) keys.erase(text.key());
-    if (is_edge) keys.erase(text.key());
+    if (!is_of_pose) continue;
+    const std::uint64_t first = text.key();
+    const std::uint64_t second = is_edge ? text.key() : first;
+    if (is_edge && first == second) continue;  // which may be left out
+    keys.erase(first);
+    keys.erase(second);
   }
   return keys;
 }

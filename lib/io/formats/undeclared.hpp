@@ -41,7 +41,7 @@ struct FixedName {
   Place place;
 };
 
-/// The ids of these that no edge, observation or prior in a text at its start names as a pose.
+/// Those of `keys` that no edge to another pose, observation or prior in a text at its start names as a pose.
 template <int Dim>
 std::set<std::uint64_t> not_named_as_poses(TextScanner text, const EdgeText<Dim>& format, std::set<std::uint64_t> keys);
 

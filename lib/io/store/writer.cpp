@@ -107,6 +107,7 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
   const Contents<Dim> contents{log, segments, options, portion, share, features_are_shared};
   auto database = open_with(unfinished_store(path), contents, found_damaged);
   if (!database) return tl::unexpected(database.error());
+  take_mode_of(target, unfinished_store(path));
   auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());
   StoreWriter writer(target, std::move(*database), std::move(*insert), segments);
@@ -158,7 +159,6 @@ Expected<void> StoreWriter<Dim>::finish() {
   // The lock lasts until the file has its name, so that no other build takes it for an interrupted one.
   std::error_code error;
   fs::remove(partial.string() + "-journal", error);
-  take_mode_of(path_, partial);
   fs::rename(partial, path_, error);
   database_.reset();
   if (error) return cannot_write(path_, error.message());

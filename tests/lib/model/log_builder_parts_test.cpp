@@ -93,5 +93,18 @@ TYPED_TEST(LogBuilderPartsTest, ForgetsWhatNoFactorNames) {
   EXPECT_EQ(log->graph.fixed.size(), 1u);
 }
 
+TYPED_TEST(LogBuilderPartsTest, ForgetsWhichOtherPosesAreFixedAtValuesToCome) {
+  constexpr int kDim = TestFixture::kDim;
+  this->builder.add_pose({0, 2}, Pose<kDim>{});
+  for (const std::uint64_t pose : {1u, 0u, 2u}) this->builder.fix({0, pose});
+  this->edge({0, 0}, {0, 1});
+  this->edge({0, 1}, {0, 2});
+  this->builder.forget_loose();
+  const auto log = this->finish();
+  ASSERT_TRUE(log) << log.error().message;
+  ASSERT_EQ(log->graph.fixed.size(), 2u);
+  EXPECT_EQ(log->graph.fixed[0].pose, PoseIndex(1));
+}
+
 }  // namespace
 }  // namespace mapjoin
