@@ -103,7 +103,8 @@ Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, const Identi
   IdentitySearch<Dim> first(identities, matches, density, options, estimate_of, Gates::kWide, stop);
   if (auto ran = first.run(); !ran) return tl::unexpected(ran.error());
   const bool has_merged = first.identities().feature_count() < identities.feature_count();
-  if (options.method == AssociationMethod::kNearest || !has_merged) return associated(data, seen, first);
+  const bool is_worth_another = options.method != AssociationMethod::kNearest && has_merged && first.is_settled();
+  if (!is_worth_another) return associated(data, seen, first);
   AssociationOptions further = options;
   if (options.progress) further.progress = [&](std::size_t joins) { options.progress(first.joins() + joins); };
   IdentitySearch<Dim> second(identities, matches, density, further, estimate_of, Gates::kNarrowFirst, stop);

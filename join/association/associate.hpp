@@ -61,11 +61,12 @@ struct Associated {
 /// covariances, maps are matched with each other (MapMatching), first neighbours, then all that probably overlap, repeatedly
 /// until nothing more is found; then maps that could lie on each other in several ways, all together (JointAlignment), and maps
 /// whose relative pose is hardly known, the surest pair at a time. Sightings that no longer fit, by leave-one-out tests, are
-/// told apart again and get one second chance in the end. Where that left fewer features, all this is done once more, first
-/// with what fits well alone; the result is the one with fewer features. Parts that no edge ties, such as sessions of unknown
-/// frames, are first associated each by itself, then aligned by constellations of their features (align_maps()); those that
-/// cannot be aligned stay apart. kBadInput if check_invariants() finds a fault, or priors of features, which refer to their
-/// names; other errors as of join(); kInterrupted on `stop`. The result is the same for any number of threads.
+/// told apart again and get one second chance in the end. Where that came to rest with fewer features, all this is done
+/// once more, first with what fits well alone; the result is the one with fewer features. Parts that no edge ties, such as
+/// sessions of unknown frames, are first associated each by itself, then aligned by constellations of their features
+/// (align_maps()); those that cannot be aligned stay apart. kBadInput if check_invariants() finds a fault, or priors of
+/// features, which refer to their names; other errors as of join(); kInterrupted on `stop`. The result is the same for any
+/// number of threads.
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options,
                                          const std::stop_token& stop = {});
