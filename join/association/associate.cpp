@@ -100,14 +100,14 @@ Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, const Identi
                                            const NeighbourDensity<Dim>& density, const AssociationOptions& options,
                                            const typename IdentitySearch<Dim>::EstimateOf& estimate_of,
                                            const std::vector<NamedSighting>& seen, const std::stop_token& stop) {
-  IdentitySearch<Dim> first(identities, matches, density, options, estimate_of, Gates::kWide, stop);
+  IdentitySearch<Dim> first(identities, matches, density, options, estimate_of, SearchGates::kWide, stop);
   if (auto ran = first.run(); !ran) return tl::unexpected(ran.error());
   const bool has_merged = first.identities().feature_count() < identities.feature_count();
   const bool is_worth_another = options.method != AssociationMethod::kNearest && has_merged && first.is_settled();
   if (!is_worth_another) return associated(data, seen, first);
   AssociationOptions further = options;
   if (options.progress) further.progress = [&](std::size_t joins) { options.progress(first.joins() + joins); };
-  IdentitySearch<Dim> second(identities, matches, density, further, estimate_of, Gates::kNarrowFirst, stop);
+  IdentitySearch<Dim> second(identities, matches, density, further, estimate_of, SearchGates::kNarrowFirst, stop);
   const auto ran_again = second.run();
   if (!ran_again && ran_again.error().kind == ErrorKind::kInterrupted) return tl::unexpected(ran_again.error());
   const bool is_better = ran_again && second.identities().feature_count() < first.identities().feature_count();

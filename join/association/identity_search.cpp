@@ -17,7 +17,7 @@ constexpr double kFarthest = 1e6;
 template <int Dim>
 IdentitySearch<Dim>::IdentitySearch(Identities identities, std::vector<std::optional<Match>> matches,
                                     const NeighbourDensity<Dim>& density, const AssociationOptions& options,
-                                    EstimateOf estimate_of, Gates gates, const std::stop_token& stop)
+                                    EstimateOf estimate_of, SearchGates gates, const std::stop_token& stop)
     : identities_(std::move(identities)),
       density_(density),
       options_(options),
@@ -76,7 +76,7 @@ std::vector<std::size_t> IdentitySearch<Dim>::taken_with(const SightingTest& mis
 template <int Dim>
 bool IdentitySearch<Dim>::extend(const FeatureEstimate<Dim>& estimate) {
   const bool is_first = joins_ == 1;
-  if (gates_ == Gates::kNarrowFirst && !is_first && extend(estimate, 1.0)) return true;
+  if (gates_ == SearchGates::kNarrowFirst && !is_first && extend(estimate, 1.0)) return true;
   return extend(estimate, sightings());
 }
 

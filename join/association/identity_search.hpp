@@ -17,7 +17,7 @@ namespace mapjoin {
 
 /// The gates of a search: those of all sightings together, which no right match should miss, or at first those of one, which
 /// what fits badly misses, though it may be right.
-enum class Gates : std::uint8_t { kWide, kNarrowFirst };
+enum class SearchGates : std::uint8_t { kWide, kNarrowFirst };
 
 /// Finds identities by joining with those known so far.
 template <int Dim>
@@ -28,7 +28,7 @@ class IdentitySearch {
 
   /// `matches` are by sighting, with its feature so far; nullopt if not matched.
   IdentitySearch(Identities identities, std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
-                 const AssociationOptions& options, EstimateOf estimate_of, Gates gates, const std::stop_token& stop);
+                 const AssociationOptions& options, EstimateOf estimate_of, SearchGates gates, const std::stop_token& stop);
 
   /// Searches until nothing changes or most_joins is reached. Errors as of EstimateOf; kInterrupted on stop.
   Expected<void> run();
@@ -67,7 +67,7 @@ class IdentitySearch {
   const NeighbourDensity<Dim>& density_;
   const AssociationOptions& options_;
   EstimateOf estimate_of_;
-  Gates gates_;
+  SearchGates gates_;
   const std::stop_token& stop_;
   double gate_;
   std::vector<std::optional<Match>> matches_;

@@ -49,7 +49,7 @@ TEST(IdentitySearchTest, UndoesAWrongMergeOfARawSegment) {
   const AssociationOptions options;
   IdentitySearch<2> search(
       Identities(sightings, labels), std::vector<std::optional<Match>>(sightings.size()), density, options,
-      [&](const Identities& known) { return estimate_of(renamed(log, known), split, stop); }, Gates::kWide, stop);
+      [&](const Identities& known) { return estimate_of(renamed(log, known), split, stop); }, SearchGates::kWide, stop);
   ASSERT_TRUE(search.run());
   std::vector<std::pair<FeatureIndex, FeatureIndex>> joined;
   for (std::size_t s = 0; s < sightings.size(); ++s) joined.emplace_back(names[s], search.identities().feature_of(s));
