@@ -75,16 +75,15 @@ std::vector<std::size_t> IdentitySearch<Dim>::taken_with(const SightingTest& mis
 
 template <int Dim>
 bool IdentitySearch<Dim>::extend(const FeatureEstimate<Dim>& estimate) {
-  const bool is_first = joins_ == 1;
-  if (gates_ == SearchGates::kNarrowFirst && !is_first && extend(estimate, 1.0)) return true;
+  if (gates_ == SearchGates::kNarrowFirst && !is_first_join() && extend(estimate, 1.0)) return true;
   return extend(estimate, sightings());
 }
 
 template <int Dim>
 bool IdentitySearch<Dim>::extend(const FeatureEstimate<Dim>& estimate, double decisions) {
   const MapMatching<Dim> matching(estimate, identities_, density_, options_.method, options_.confidence, decisions);
-  const bool is_first = joins_ == 1;
-  if (take(matching.propose(kInPlace, is_first, stop_).probable) || is_first) return true;  // the next join matches all maps
+  if (take(matching.propose(kInPlace, is_first_join(), stop_).probable)) return true;
+  if (is_first_join()) return true;  // the next join matches all maps
   if (options_.method == AssociationMethod::kNearest) return false;
   return align_together(estimate, matching) || take_surest(matching);
 }

@@ -45,6 +45,7 @@ class IdentitySearch {
 
  private:
   double sightings() const { return static_cast<double>(identities_.sighting_count()); }
+  bool is_first_join() const { return joins_ == 1; }
   /// Lets features that were told apart be the same again, once: the map may have been bent when they were.
   bool forgive() { return !std::exchange(has_forgiven_, true) && identities_.forgive(); }
   bool undo(const std::vector<SightingTest>& misfits);

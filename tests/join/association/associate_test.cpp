@@ -171,23 +171,25 @@ TEST(AssociateTest, LaysNoPairOfManyMapsOneStepFurtherOn) {
   EXPECT_GE(testing::pair_score(associate(log, AssociationOptions{}).value().sightings).precision, 0.999);
 }
 
-/// Like the bundled log, of another seed. Where a sensor sees few features and turns are hardly known, pairings fit that a map
-/// should have seen, that fit only each other, or that are far off for want of knowledge.
-TEST(AssociateTest, IsMisledByNoRowsWhereTurnsAreHardlyKnown) {
+/// How well features are told apart on a log like the bundled one, of another seed: a sensor sees few of them, and turns are
+/// hardly known.
+testing::PairScore score_where_turns_are_hardly_known(std::uint64_t seed) {
   const Log<2> log =
-      simulate_manhattan<2>({.poses = 1000, .seed = 19, .side = 45.0, .feature_cell = 4.0, .range = 3.5, .turn_noise = 0.03})
+      simulate_manhattan<2>({.poses = 1000, .seed = seed, .side = 45.0, .feature_cell = 4.0, .range = 3.5, .turn_noise = 0.03})
           .log;
-  const testing::PairScore score = testing::pair_score(associate(log, AssociationOptions{}).value().sightings);
+  return testing::pair_score(associate(log, AssociationOptions{}).value().sightings);
+}
+
+/// Pairings fit that a map should have seen, that fit only each other, or that are far off for want of knowledge.
+TEST(AssociateTest, IsMisledByNoRowsWhereTurnsAreHardlyKnown) {
+  const testing::PairScore score = score_where_turns_are_hardly_known(19);
   EXPECT_GE(score.precision, 0.999);
   EXPECT_GE(score.recall, 0.97);
 }
 
 /// Here the first search lays maps in a wrong place that fits badly, and sees half of the features twice.
 TEST(AssociateTest, FindsByAnotherSearchWhatAWrongPlaceHides) {
-  const Log<2> log =
-      simulate_manhattan<2>({.poses = 1000, .seed = 561, .side = 45.0, .feature_cell = 4.0, .range = 3.5, .turn_noise = 0.03})
-          .log;
-  const testing::PairScore score = testing::pair_score(associate(log, AssociationOptions{}).value().sightings);
+  const testing::PairScore score = score_where_turns_are_hardly_known(561);
   EXPECT_GE(score.precision, 0.999);
   EXPECT_GE(score.recall, 0.98);
 }
