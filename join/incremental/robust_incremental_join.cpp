@@ -248,11 +248,14 @@ ClosureName RobustIncrementalJoin<Dim>::name(std::size_t closure) const {
 
 template <int Dim>
 void RobustIncrementalJoin<Dim>::compare_with(const std::set<std::size_t>& left_out_before, RobustlyAdded& done) const {
-  for (const std::size_t k : closures_) {
-    const bool was_out = left_out_before.contains(k);
-    const bool is_out = join_.left_out().contains(k);
-    if (was_out != is_out) (is_out ? done.rejected : done.readmitted).push_back(name(k));
-  }
+  const auto note = [&](const std::set<std::size_t>& here, const std::set<std::size_t>& there,
+                        std::vector<ClosureName>& names) {
+    std::vector<std::size_t> closures;
+    std::ranges::set_difference(here, there, std::back_inserter(closures));
+    for (const std::size_t k : closures) names.push_back(name(k));
+  };
+  note(join_.left_out(), left_out_before, done.rejected);
+  note(left_out_before, join_.left_out(), done.readmitted);
 }
 
 template <int Dim>
