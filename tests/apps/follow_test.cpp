@@ -267,6 +267,16 @@ TEST_F(Follow, AClosureToAnEliminatedPoseMakesTheMapsAnew) {
   EXPECT_EQ(all[1].at("maps"), all[0].at("maps"));
 }
 
+/// A pose that is measured only from the World is in no map.
+TEST_F(Follow, AStepWithoutAMapIsOfNoPoses) {
+  folder.file("log.g2o", "EDGE_PRIOR_SE2 7 1 2 0 1 0 0 1 0 1\n");
+  call({"run", path("log.g2o"), "--follow", "--idle", "0", "--steps", path("steps")});
+  ASSERT_EQ(steps().size(), 1u);
+  EXPECT_EQ(steps()[0].at("maps"), 0);
+  EXPECT_TRUE(steps()[0].at("first_pose").is_null());
+  EXPECT_TRUE(steps()[0].at("last_pose").is_null());
+}
+
 TEST_F(Follow, WhatCannotBeFollowedIsSaid) {
   EXPECT_EQ(call({"run", path("none.g2o"), "--follow"}).exit_code, 3);
   const Ended zipped = call({"run", kCommand, "--follow", "--idle", "0"});
