@@ -44,6 +44,9 @@ class GrowingMap {
   /// Makes updates of the complete local maps, or of all at the end, and joins them: the first ones at once, the others one by
   /// one.
   void join_complete(bool is_end) {
+    for (const RemadeMap<Dim>& of : maker_.take_remade()) {
+      std::visit([&](auto& map) { map.keep_more(of.update, of.map).value(); }, map_);
+    }
     std::vector<SubmapUpdate<Dim>> updates = maker_.take(is_end).value();
     if (count_ == 0 && updates.size() > 1) {
       const Step step{1, updates.size(), Way{first_pose(updates.front()), last_pose(updates.back())}};

@@ -73,6 +73,14 @@ PartialMap<Dim> composed(const SubmapUpdate<Dim>& update);
 template <int Dim>
 bool speaks_of_world(const SubmapUpdate<Dim>& update);
 
+/// True for an update of closures alone, on which neither another update nor the frame of the map builds.
+template <int Dim>
+bool has_closures_only(const SubmapUpdate<Dim>& update);
+
+/// An update with the local map of another one, which has nothing else, instead of its own.
+template <int Dim>
+SubmapUpdate<Dim> with_map(SubmapUpdate<Dim> update, const SubmapUpdate<Dim>& map);
+
 /// The updates as one set, in which a segment that begins with the last pose of another follows it.
 template <int Dim>
 SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates);
