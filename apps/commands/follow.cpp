@@ -29,7 +29,7 @@ class GrowingMap {
   GrowingMap(const Options& options, StepReport& report)
       : options_(options), report_(report), maker_(new_maker()), map_(new_map()) {}
 
-  /// Adds the news of a log; `whole` reads the log up to and with them, in case they concern a map that is made already.
+  /// Adds the news of a log; `whole` reads the log up to and with them, in case all maps must be made anew.
   template <typename Whole>
   void add(const Log<Dim>& news, Whole&& whole) {
     if (!maker_.add(news)) {
