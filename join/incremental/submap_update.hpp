@@ -18,7 +18,7 @@ namespace mapjoin {
 ///   and others that factors concern, which are of other updates' segments. Names that nothing concerns do not count.
 /// - `graph.submaps`: the local map, if the segment is one.
 /// - `graph.pose_factors`, `graph.feature_factors`, `graph.fixed`: odometry and observations of a raw segment, closures to
-///   known poses, priors and fixed poses.
+///   known poses, observations from known poses that come late, priors and fixed poses.
 template <int Dim>
 using SubmapUpdate = SubmapSet<Dim>;
 
