@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <apps/commands/follow.hpp>
-#include <apps/console.hpp>
+#include <apps/commands/follow_steps.hpp>
+#include <apps/exit_code.hpp>
 #include <apps/process.hpp>
-#include <apps/report/json.hpp>
-#include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <ctime>
-#include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/g2o/growing_g2o.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/incremental/robust_incremental_join.hpp>
 #include <mapjoin/join/incremental/submap_update_maker.hpp>
 #include <mapjoin/model/error.hpp>
-#include <memory>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -28,105 +22,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks(50);
 
-/// A step of the join: updates that were added at once.
-struct Step {
-  std::size_t first = 0;  ///< Number of its first update, from 1; there are `count`.
-  std::size_t count = 1;
-  PoseId begin = {}, end = {};
-  RobustlyAdded done = {};
-  std::optional<std::size_t> left_out = {};  ///< Closures left out after it; nullopt without --robust.
-  double seconds = 0.0;                      ///< CPU time.
-};
-
-/// The closures left out and taken back, in words: "; 2 closures left out; 1 closure taken back".
-std::string closures_for_people(const RobustlyAdded& done) {
-  std::string text;
-  if (!done.rejected.empty()) text += fmt::format("; {} left out", plural(done.rejected.size(), "closure"));
-  if (!done.readmitted.empty()) text += fmt::format("; {} taken back", plural(done.readmitted.size(), "closure"));
-  if (done.no_verdict) text += "; no verdict on closures: " + done.no_verdict->message;
-  return text;
-}
-
-Json ends_of(const std::vector<ClosureName>& closures) {
-  Json ends = Json::array();
-  for (const ClosureName& closure : closures) ends.push_back({closure.base.key, closure.target.key});
-  return ends;
-}
-
-std::string for_people(const Step& step) {
-  const AddedUpdate& added = step.done.added;
-  const std::string maps = step.count == 1 ? fmt::format("map {}", step.first)
-                                           : fmt::format("maps {} to {}", step.first, step.first + step.count - 1);
-  const std::string poses = fmt::format("{} to {}", to_string(step.begin), key_text(step.end.key));
-  if (!added.is_joined) return fmt::format("{}, {}: waits, nothing ties it to the others yet\n", maps, poses);
-  return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {}{}{}\n", maps, poses,
-                     added.metres, added.radians, added.chi2, added.dof, added.eliminated,
-                     plural(added.iterations, "iteration"), added.batch_adopted ? "; all joined anew" : "",
-                     closures_for_people(step.done));
-}
-
-std::string for_programs(const Step& step) {
-  const AddedUpdate& added = step.done.added;
-  Json line = {{"map", step.first},
-               {"maps", step.count},
-               {"first_pose", step.begin.key},
-               {"last_pose", step.end.key},
-               {"joined", added.is_joined},
-               {"moved_m", added.metres},
-               {"moved_rad", added.radians},
-               {"chi2", added.chi2},
-               {"dof", added.dof},
-               {"eliminated", added.eliminated},
-               {"iterations", added.iterations},
-               {"converged", added.converged},
-               {"joined_anew", added.batch_adopted},
-               {"cpu_seconds", step.seconds}};
-  if (step.left_out) {
-    line["left_out"] = *step.left_out;
-    line["rejected"] = ends_of(step.done.rejected);
-    line["readmitted"] = ends_of(step.done.readmitted);
-    line["judged"] = step.done.is_judged && !step.done.no_verdict;
-  }
-  return line.dump() + '\n';
-}
-
-/// Reports each added map: a line for people on standard error, if that is a terminal, and a line of JSON for programs.
-class StepReport {
- public:
-  /// Opens `path`, as of FollowOptions::steps; kCannotWrite if the file cannot be made. It is emptied at the first step, since
-  /// a log may have none, and grows line by line, for others to follow.
-  StepReport(const std::filesystem::path& path, bool quiet)
-      : path_(is_stdout(path) ? "standard output" : path), is_shown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
-    if (is_stdout(path)) file_ = File(stdout, [](std::FILE*) { return 0; });
-    if (is_stdout(path) || path.empty()) return;
-    file_ = File(std::fopen(path.c_str(), "ae"), std::fclose);
-    if (!file_) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
-  }
-
-  void add(const Step& step) {
-    if (is_shown_) std::fputs(for_people(step).c_str(), stderr);
-    if (file_ && !std::exchange(is_begun_, true)) begin();
-    if (!file_ || (std::fputs(for_programs(step).c_str(), file_.get()) >= 0 && std::fflush(file_.get()) == 0)) return;
-    // No error if the reader has gone away: it has had all it wanted.
-    if (errno != EPIPE) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
-  }
-
- private:
-  /// Empties a plain file; a pipe or a device has nothing to empty.
-  void begin() {
-    struct ::stat status {};
-    const int descriptor = ::fileno(file_.get());
-    if (file_.get() == stdout || ::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return;
-    if (::ftruncate(descriptor, 0) != 0) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
-  }
-
-  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-  std::filesystem::path path_;
-  File file_{nullptr, std::fclose};
-  bool is_shown_;
-  bool is_begun_ = false;
-};
-
 /// The map of a growing log.
 template <int Dim>
 class GrowingMap {
@@ -134,7 +29,7 @@ class GrowingMap {
   GrowingMap(const Options& options, StepReport& report)
       : options_(options), report_(report), maker_(new_maker()), map_(new_map()) {}
 
-  /// Adds the news of a log; `whole` reads the log up to and with them, in case they concern a map that is made already.
+  /// Adds the news of a log; `whole` reads the log up to and with them, in case all maps must be made anew.
   template <typename Whole>
   void add(const Log<Dim>& news, Whole&& whole) {
     if (!maker_.add(news)) {
@@ -149,13 +44,17 @@ class GrowingMap {
   /// Makes updates of the complete local maps, or of all at the end, and joins them: the first ones at once, the others one by
   /// one.
   void join_complete(bool is_end) {
+    for (const RemadeMap<Dim>& of : maker_.take_remade()) {
+      std::visit([&](auto& map) { map.keep_more(of.update, of.map).value(); }, map_);
+    }
     std::vector<SubmapUpdate<Dim>> updates = maker_.take(is_end).value();
     if (count_ == 0 && updates.size() > 1) {
-      const Step step{1, updates.size(), first_pose(updates.front()), last_pose(updates.back())};
+      const Step step{1, updates.size(), Way{first_pose(updates.front()), last_pose(updates.back())}};
       return report(step, [&](auto& map) { return robustly(map.add_all(std::move(updates))); });
     }
     for (SubmapUpdate<Dim>& update : updates) {
-      const Step step = update.segments.empty() ? Step{count_ + 1} : Step{count_ + 1, 1, first_pose(update), last_pose(update)};
+      Step step{count_ + 1};
+      if (!update.segments.empty()) step = {count_ + 1, 1, Way{first_pose(update), last_pose(update)}};
       report(step, [&](auto& map) { return robustly(map.add(std::move(update))); });
     }
   }

@@ -180,6 +180,12 @@ void add_reading_notes(const RunReport& run_report, Lines& lines) {
   note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
 }
 
+/// True if priors of several inputs, perhaps, contradict each other.
+bool has_misfit_of_priors(const RunReport& run_report) {
+  return run_report.has_several_inputs && !run_report.gps && run_report.counts.priors > 1 &&
+         std::ranges::any_of(run_report.misfits, [](const NamedMisfit& of) { return of.misfit.kind == PartKind::kPrior; });
+}
+
 void add_notes(const RunReport& run_report, Lines& lines) {
   add_reading_notes(run_report, lines);
   const auto note = notes_in(lines);
@@ -196,6 +202,9 @@ void add_notes(const RunReport& run_report, Lines& lines) {
                    "`mapjoin build`",
                    plural(run_report.counts.shared_features, "feature has its id in several inputs and is",
                           "features have their ids in several inputs and are")));
+  note(has_misfit_of_priors(run_report),
+       "the priors of all inputs are of one World: if those of each are in a frame of its own, keep them in one input only, or "
+       "give them as FIX, which counts in one input only");
   note(!run_report.association_is_settled,
        "the association of features had not come to rest when its joins were used up: some may still be two that are one, or "
        "one that are two; `mapjoin run` without --associate goes by their ids");

@@ -5,6 +5,31 @@
 #include <numeric>
 
 namespace mapjoin {
+namespace {
+
+/// Adds observations from poses of a partial map, and the features that are new where the first of them sees each.
+template <int Dim>
+void add_observations(const std::vector<const FeatureFactor<Dim>*>& observations, PartialMap<Dim>& partial) {
+  const Table<FeatureIndex, FeatureIndex> before = partial.features;
+  const Table<FeatureIndex, Point<Dim>> values = partial.state.features;
+  for (const auto* o : observations) partial.features.push_back(o->target);
+  make_distinct(partial.features);
+  partial.state.features.resize(partial.features.size());
+  Table<FeatureIndex, bool> is_placed(partial.features.size(), false);
+  for (const FeatureIndex f : indices(before)) {
+    const FeatureIndex place = place_in(partial, before[f]);
+    partial.state.features[place] = values[f];
+    is_placed[place] = true;
+  }
+  for (const auto* o : observations) {
+    const FeatureIndex place = place_in(partial, o->target);
+    if (!is_placed[place]) partial.state.features[place] = transform(pose_in(partial, o->base), o->measured);
+    is_placed[place] = true;
+  }
+  append(partial.factors.feature_factors, observations);
+}
+
+}  // namespace
 
 template <int Dim>
 Leaves<Dim>::Leaves(const SubmapGraph<Dim>& graph)
@@ -50,7 +75,9 @@ std::pair<std::size_t, std::size_t> Leaves<Dim>::segments_of(const PoseFactor<Di
 
 template <int Dim>
 PartialMap<Dim> Leaves<Dim>::partial(std::size_t segment) const {
-  return maps_[segment] ? partial_of_map(*maps_[segment]) : partial_of_raw(segment);
+  PartialMap<Dim> partial = maps_[segment] ? partial_of_map(*maps_[segment]) : partial_of_raw(segment);
+  add_observations(observations_[segment], partial);
+  return partial;
 }
 
 template <int Dim>
@@ -77,7 +104,7 @@ PartialMap<Dim> Leaves<Dim>::partial_of_raw(std::size_t segment) const {
   partial.poses.resize(static_cast<std::size_t>(raw.end - raw.begin) + 1);
   std::iota(partial.poses.begin(), partial.poses.end(), raw.begin);
   partial.state.poses.resize(partial.poses.size());
-  partial.factors = {odometry_[segment], observations_[segment], {}};
+  partial.factors = {odometry_[segment], {}, {}};
 
   Table<PoseIndex, bool> known(partial.poses.size(), false);
   known[0] = true;
@@ -87,17 +114,6 @@ PartialMap<Dim> Leaves<Dim>::partial_of_raw(std::size_t segment) const {
     if (known[base] && !known[target]) partial.state.poses[target] = compose(partial.state.poses[base], o->measured);
     if (known[target] && !known[base]) partial.state.poses[base] = compose(partial.state.poses[target], inverse(o->measured));
     known[base] = known[target] = known[base] || known[target];
-  }
-
-  partial.features.reserve(partial.factors.feature_factors.size());
-  for (const auto* o : partial.factors.feature_factors) partial.features.push_back(o->target);
-  make_distinct(partial.features);
-  partial.state.features.resize(partial.features.size());
-  Table<FeatureIndex, bool> seen(partial.features.size(), false);
-  for (const auto* o : partial.factors.feature_factors) {
-    const FeatureIndex f = place_of(partial.features, o->target);
-    if (!seen[f]) partial.state.features[f] = transform(pose_in(partial, o->base), o->measured);
-    seen[f] = true;
   }
   return partial;
 }

@@ -16,7 +16,7 @@ class Leaves {
  public:
   explicit Leaves(const SubmapGraph<Dim>& graph);
 
-  /// A local map as it is, or a raw segment composed from its odometry and first observations.
+  /// A local map as it is, or a raw segment composed from its odometry, and what single observations from its poses see.
   PartialMap<Dim> partial(std::size_t segment) const;
   /// The pose observations that do not belong to a single raw segment.
   const std::vector<const PoseFactor<Dim>*>& closures() const { return closures_; }

@@ -1,7 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <mapjoin/join/incremental/driven_segments.hpp>
+#include <set>
+#include <string>
 
 namespace mapjoin {
+namespace {
+
+template <int Dim>
+std::set<PoseId> driven_poses(const SubmapUpdate<Dim>& update) {
+  const Segment segment = driven_segment(update);
+  return {update.poses.begin() + segment.begin.value, update.poses.begin() + segment.end.value + 1};
+}
+
+}  // namespace
 
 template <int Dim>
 Expected<void> DrivenSegments<Dim>::check(const SubmapUpdate<Dim>& update) const {
@@ -34,6 +46,31 @@ Expected<void> DrivenSegments<Dim>::add(const SubmapUpdate<Dim>& update) {
     for (PoseIndex p = segment.begin; p <= segment.end; ++p) poses_[update.poses[p]] = p == segment.end;
     for (const FixedPose<Dim>& fixed : update.graph.fixed) fixed_.emplace(update.poses[fixed.pose], fixed.value);
   });
+}
+
+template <int Dim>
+Expected<void> DrivenSegments<Dim>::keep_more(const SubmapUpdate<Dim>& update, const SubmapUpdate<Dim>& map) {
+  if (const auto checked = check_update(map); !checked) return checked;
+  const auto wrong = [&](const std::string& what) { return bad_input_of(map.source, what); };
+  const auto is_of_map = [](const SubmapUpdate<Dim>& of) { return !of.segments.empty() && of.segments.front().is_map; };
+  if (!is_of_map(map) || !is_of_map(update)) return wrong("a local map can only take the place of another one");
+  if (first_pose(map) != first_pose(update) || last_pose(map) != last_pose(update)) {
+    return wrong("the map is not of the segment from " + to_string(first_pose(update)) + " to " +
+                 key_text(last_pose(update).key));
+  }
+  std::set<PoseId> added = driven_poses(map);
+  for (const PoseId& id : driven_poses(update)) {
+    if (added.erase(id) == 0) return wrong(to_string(id) + " was in the map, and is not any more");
+  }
+  for (const FeatureIndex f : update.graph.submaps.front().features) {
+    if (std::ranges::count(map.features, update.features[f]) > 0) continue;
+    return wrong(to_string(update.features[f]) + " was in the map, and is not any more");
+  }
+  for (const PoseId& id : added) {
+    if (poses_.contains(id)) return wrong(to_string(id) + " is in a segment already");
+  }
+  for (const PoseId& id : added) poses_[id] = false;
+  return {};
 }
 
 template class DrivenSegments<2>;

@@ -15,6 +15,10 @@ class DrivenSegments {
   /// is in a segment already; if a pose outside of it is in none; or if it fixes a pose that an earlier update fixes at another
   /// place.
   Expected<void> add(const SubmapUpdate<Dim>& update);
+  /// Adds the new poses of `map`, an update of a local map alone, to the segment of `update`, which was added with another one.
+  /// Bad input, and nothing is added, unless `map` has all poses and features of that one, the same first and last pose, and
+  /// new poses that are in no segment.
+  Expected<void> keep_more(const SubmapUpdate<Dim>& update, const SubmapUpdate<Dim>& map);
   /// Bad input if add() would find it; adds nothing.
   Expected<void> check(const SubmapUpdate<Dim>& update) const;
 

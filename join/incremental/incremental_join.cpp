@@ -10,15 +10,6 @@
 #include <utility>
 
 namespace mapjoin {
-namespace {
-
-/// True for an update of closures alone, on which neither another update nor the frame of the map builds.
-template <int Dim>
-bool may_be_left_out(const SubmapUpdate<Dim>& update) {
-  return update.segments.empty() && update.features.empty() && !speaks_of_world(update);
-}
-
-}  // namespace
 
 template <int Dim>
 IncrementalJoin<Dim>::IncrementalJoin(const Pose<Dim>& origin) : origin_(origin) {
@@ -75,7 +66,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const 
 
 template <int Dim>
 Expected<std::size_t> IncrementalJoin<Dim>::hold(SubmapUpdate<Dim> update) {
-  if (!may_be_left_out(update)) {
+  if (!has_closures_only(update)) {
     return bad_input_of(update.source,
                         "only updates of closures, without a segment, features, priors and fixed poses, can be left out");
   }
@@ -90,7 +81,7 @@ AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::
                                          const std::stop_token& stop) {
   for (const auto& numbers : {out, in}) {
     for (const std::size_t k : numbers) {
-      if (k < updates_.size() && may_be_left_out(updates_[k])) continue;
+      if (k < updates_.size() && has_closures_only(updates_[k])) continue;
       throw std::invalid_argument("update " + std::to_string(k) + " is not there, or not of closures alone");
     }
   }
@@ -111,7 +102,7 @@ AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::
     if (left_out_.erase(k) > 0 && (asks_for_join(updates_[k]) || !estimate_.enter(updates_[k]))) waiting_.push_back(k);
   }
   std::ranges::sort(waiting_);
-  settle({}, changed);
+  note(estimate_.settle({}), changed);
   if (has_lost || !is_converged_ || has_outgrown(chi2_before, dof_before)) join_all(stop, changed);
   if (!waiting_.empty()) admit_waiting(stop, changed);
   changed.is_joined = waiting_.empty();
@@ -119,9 +110,26 @@ AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::
 }
 
 template <int Dim>
+Expected<AddedUpdate> IncrementalJoin<Dim>::keep_more(std::size_t number, const SubmapUpdate<Dim>& map,
+                                                      const std::stop_token& stop) {
+  SubmapUpdate<Dim>& update = updates_.at(number);
+  return driven_.keep_more(update, map).map([&] {
+    AddedUpdate changed;
+    const bool is_joined = !is_waiting(number);
+    if (is_joined) estimate_.leave(update);
+    update = with_map(std::move(update), map);
+    if (is_joined && !estimate_.enter(update)) waiting_.insert(std::ranges::lower_bound(waiting_, number), number);
+    note(estimate_.settle({}), changed);
+    if (!waiting_.empty()) admit_waiting(stop, changed);
+    changed.is_joined = !is_waiting(number);
+    return published(changed);
+  });
+}
+
+template <int Dim>
 AddedUpdate IncrementalJoin<Dim>::rejoin(const std::stop_token& stop) {
   AddedUpdate rejoined;
-  settle({}, rejoined);
+  note(estimate_.settle({}), rejoined);
   join_all(stop, rejoined);
   rejoined.is_joined = waiting_.empty();
   return published(rejoined);
@@ -136,7 +144,7 @@ void IncrementalJoin<Dim>::join_last(const std::stop_token& stop, AddedUpdate& a
   if (variables) {
     const auto deferred = estimate_.defer();
     if (deferred) note(*deferred, added);
-    if (!deferred || has_outgrown(chi2_before, dof_before)) settle(*variables, added);
+    if (!deferred || has_outgrown(chi2_before, dof_before)) note(estimate_.settle(*variables), added);
     if (!is_converged_ || has_outgrown(chi2_before, dof_before)) join_all(stop, added);
   } else {
     waiting_.push_back(updates_.size() - 1);
@@ -172,11 +180,6 @@ void IncrementalJoin<Dim>::join_again_from(std::size_t before, const std::stop_t
 }
 
 template <int Dim>
-void IncrementalJoin<Dim>::settle(std::span<const JoinedIndex> last, AddedUpdate& added) {
-  note(estimate_.settle(last), added);
-}
-
-template <int Dim>
 void IncrementalJoin<Dim>::note(const Settling& settling, AddedUpdate& added) {
   added.metres = std::max(added.metres, settling.moved.metres);
   added.radians = std::max(added.radians, settling.moved.radians);
@@ -205,12 +208,7 @@ bool IncrementalJoin<Dim>::has_outgrown(double chi2_before, std::int64_t dof_bef
 template <int Dim>
 std::size_t IncrementalJoin<Dim>::shared_by_waiting() const {
   std::size_t shared = 0;
-  for (const std::size_t k : waiting_) {
-    const SubmapUpdate<Dim>& update = updates_[k];
-    shared += static_cast<std::size_t>(std::ranges::count_if(update.poses, [&](const PoseId& id) { return pose(id); }));
-    shared +=
-        static_cast<std::size_t>(std::ranges::count_if(update.features, [&](const FeatureId& id) { return feature(id); }));
-  }
+  for (const std::size_t k : waiting_) shared += estimate_.shared_with(updates_[k]);
   return shared;
 }
 
@@ -287,7 +285,7 @@ void IncrementalJoin<Dim>::take(const std::vector<const SubmapUpdate<Dim>*>& upd
   const JoinedSet<Dim> all(set, joined);
   for (const SubmapUpdate<Dim>* update : updates) estimate_.enter_at(*update, all);
   is_anchored_by_world_ = speaks_of_world(set);
-  settle({}, added);
+  note(estimate_.settle({}), added);
   const StepSize moved = estimate_.moved_from(before);
   added.metres = std::max(added.metres, moved.metres);
   added.radians = std::max(added.radians, moved.radians);

@@ -66,8 +66,13 @@ class IncrementalJoin {
   /// Bad input if add() would find it with these updates added one after the other.
   Expected<void> check(std::span<const SubmapUpdate<Dim>> updates) const;
 
-  /// Adds an update of closures, without a segment, features, priors and fixed poses, but leaves it out. Returns its number:
-  /// updates count from 0 as they were added. Bad input as add(), and for any other update.
+  /// Lets the local map of an update keep more poses, which closures, priors and observations that come late can then concern:
+  /// `map`, an update of a local map alone, of the same observations, takes its place. Updates count from 0 as they were added.
+  /// Bad input, and nothing is changed, unless `map` has all poses and features of the former one, the same first and last
+  /// pose, and new poses that are in no segment. std::out_of_range if there is no update of this number.
+  Expected<AddedUpdate> keep_more(std::size_t number, const SubmapUpdate<Dim>& map, const std::stop_token& stop = {});
+  /// Adds an update of closures, without a segment, features, priors and fixed poses, but leaves it out. Returns its number.
+  /// Bad input as add(), and for any other update.
   Expected<std::size_t> hold(SubmapUpdate<Dim> update);
   /// Takes updates out, by their numbers, as if they had never been joined, and joins others that were left out; all must be
   /// such as hold() adds. An update that was in the estimate may have bent it too far for steps to lead back: the others are
@@ -114,7 +119,6 @@ class IncrementalJoin {
   void join_last(const std::stop_token& stop, AddedUpdate& added);
   void join_again_from(std::size_t before, const std::stop_token& stop, AddedUpdate& added);
   bool asks_for_join(const SubmapUpdate<Dim>& update) const;
-  void settle(std::span<const JoinedIndex> last, AddedUpdate& added);
   void note(const Settling& settling, AddedUpdate& added);
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
   /// The number of poses and features that the waiting updates share with the estimate.

@@ -85,15 +85,18 @@ std::vector<Pose<Dim>> NamedEstimate<Dim>::alignments(const SubmapUpdate<Dim>& u
   return correspondences.candidates();
 }
 
-/// True if all that the update observes is in the estimate or in the update's own partial map.
+/// True if all that the update observes is in the estimate, in the update's own partial map or, as a feature, seen from there.
 template <int Dim>
 bool NamedEstimate<Dim>::knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const {
   const auto knows_pose = [&](PoseIndex p) { return p == kWorld || pose(update, p) || holds(partial.poses, p); };
-  const auto knows_feature = [&](FeatureIndex f) { return feature(update, f) || holds(partial.features, f); };
+  const auto is_seen = [&](FeatureIndex f) {
+    return std::ranges::any_of(update.graph.feature_factors, [&](const auto& o) { return o.base != kWorld && o.target == f; });
+  };
+  const auto knows_feature = [&](FeatureIndex f) { return feature(update, f) || holds(partial.features, f) || is_seen(f); };
   return std::ranges::all_of(update.graph.pose_factors,
                              [&](const auto& o) { return knows_pose(o.base) && knows_pose(o.target); }) &&
          std::ranges::all_of(update.graph.feature_factors,
-                             [&](const auto& o) { return knows_pose(o.base) && knows_feature(o.target); });
+                             [&](const auto& o) { return o.base == kWorld ? knows_feature(o.target) : knows_pose(o.base); });
 }
 
 template <int Dim>
@@ -152,6 +155,7 @@ std::optional<std::vector<JoinedIndex>> NamedEstimate<Dim>::enter(const SubmapUp
     }
     variables.push_back(names_->features().at(id));
   }
+  enter_late_features(update);
   auto factors = factors_of(update);
   const auto place = [&](const Pose<Dim>& alignment) {
     for (const auto& [v, in_partial] : entered) estimate_.place(v, compose(alignment, in_partial));
@@ -166,12 +170,26 @@ std::optional<std::vector<JoinedIndex>> NamedEstimate<Dim>::enter(const SubmapUp
   return variables;
 }
 
+/// Enters features that poses of other updates see, where they do.
+template <int Dim>
+void NamedEstimate<Dim>::enter_late_features(const SubmapUpdate<Dim>& update) {
+  for (const auto& o : update.graph.feature_factors) {
+    const FeatureId& id = update.features[o.target];
+    if (o.base != kWorld && !names_->features().contains(id)) enter_feature(id, transform(*pose(update, o.base), o.measured));
+  }
+}
+
 template <int Dim>
 void NamedEstimate<Dim>::add_factors(const SubmapUpdate<Dim>& update, std::vector<MapFactor<Dim>> factors) {
   for (auto& factor : factors) {
-    const FactorIndex f = estimate_.add_factor(std::move(factor));
-    if (update.segments.empty()) factors_[&update].push_back(f);
+    factors_[&update].push_back(estimate_.add_factor(std::move(factor)));
   }
+}
+
+template <int Dim>
+std::size_t NamedEstimate<Dim>::shared_with(const SubmapUpdate<Dim>& update) const {
+  return static_cast<std::size_t>(std::ranges::count_if(update.poses, [&](const PoseId& id) { return pose(id); }) +
+                                  std::ranges::count_if(update.features, [&](const FeatureId& id) { return feature(id); }));
 }
 
 template <int Dim>

@@ -49,7 +49,10 @@ class NamedEstimate {
   /// Enters the new poses and features of an update at their values in a join of all, and its factors.
   void enter_at(const SubmapUpdate<Dim>& update, const JoinedSet<Dim>& joined);
 
-  /// Removes the factors of an update that was entered and has no segment.
+  /// The number of poses and features that an update names and this knows.
+  std::size_t shared_with(const SubmapUpdate<Dim>& update) const;
+
+  /// Removes the factors of an update that was entered; its poses and features stay, to be entered again with it.
   void leave(const SubmapUpdate<Dim>& update);
 
   std::optional<Settling> defer() { return estimate_.defer(); }
@@ -69,13 +72,14 @@ class NamedEstimate {
   bool knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
   JoinedIndex enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored);
   JoinedIndex enter_feature(const FeatureId& id, const Point<Dim>& value);
+  void enter_late_features(const SubmapUpdate<Dim>& update);
   std::vector<MapFactor<Dim>> factors_of(const SubmapUpdate<Dim>& update);
   void add_factors(const SubmapUpdate<Dim>& update, std::vector<MapFactor<Dim>> factors);
 
   IncrementalEstimate<Dim> estimate_;
   std::shared_ptr<JoinedNames> names_ = std::make_shared<JoinedNames>();
-  std::deque<LocalMap<Dim>> singles_;                                     // single observations as maps of one target
-  std::map<const SubmapUpdate<Dim>*, std::vector<FactorIndex>> factors_;  // of updates without a segment
+  std::deque<LocalMap<Dim>> singles_;  // single observations as maps of one target
+  std::map<const SubmapUpdate<Dim>*, std::vector<FactorIndex>> factors_;
 };
 
 /// The updates with the numbers `waiting` that names tie to the estimate, if only by way of each other, in one group; if the

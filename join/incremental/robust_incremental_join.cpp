@@ -144,11 +144,10 @@ Expected<std::vector<std::size_t>> RobustIncrementalJoin<Dim>::hold(std::vector<
 
 template <int Dim>
 Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const std::stop_token& stop) {
-  name_by(added_ + 1, update);
+  name_by(added_.size() + 1, update);
   if (const auto checked = join_.check(update); !checked) return tl::unexpected(checked.error());
-  ++added_;
   const auto before = join_.left_out();
-  const std::size_t first = join_.update_count();
+  added_.push_back(join_.update_count());
   auto [rest, closures] = apart(std::move(update));
   RobustlyAdded done;
   done.added = join_.add(std::move(rest), stop).value();
@@ -157,7 +156,7 @@ Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add(SubmapUpdate<Dim> update
   is_doubtful_ |= std::erase_if(fitting, [&](std::size_t k) { return contradicts(join_.update(k)); }) > 0;
   if (!fitting.empty()) try_closures(fitting, stop, done);
   if (is_due()) take_verdict(stop, done);
-  done.added.is_joined = !join_.is_waiting(first);
+  done.added.is_joined = !join_.is_waiting(added_.back());
   compare_with(before, done);
   return done;
 }
@@ -167,10 +166,10 @@ Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add_all(std::vector<SubmapUp
                                                             const std::stop_token& stop) {
   const auto before = join_.left_out();
   std::vector<SubmapUpdate<Dim>> closures;
-  for (std::size_t k = 0; k < updates.size(); ++k) name_by(added_ + 1 + k, updates[k]);
+  for (std::size_t k = 0; k < updates.size(); ++k) name_by(added_.size() + 1 + k, updates[k]);
   if (const auto checked = join_.check(updates); !checked) return tl::unexpected(checked.error());
-  added_ += updates.size();
   for (SubmapUpdate<Dim>& update : updates) {
+    added_.push_back(join_.update_count() + static_cast<std::size_t>(&update - updates.data()));
     Apart parts = apart(std::move(update));
     update = std::move(parts.update);
     std::ranges::move(parts.closures, std::back_inserter(closures));
@@ -182,6 +181,14 @@ Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add_all(std::vector<SubmapUp
   done.added.is_joined = join_.waiting() == 0;
   compare_with(before, done);
   return done;
+}
+
+template <int Dim>
+Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::keep_more(std::size_t number, const SubmapUpdate<Dim>& map,
+                                                              const std::stop_token& stop) {
+  return join_.keep_more(added_.at(number), map, stop).map([](const AddedUpdate& added) {
+    return RobustlyAdded{.added = added};
+  });
 }
 
 template <int Dim>
@@ -248,11 +255,14 @@ ClosureName RobustIncrementalJoin<Dim>::name(std::size_t closure) const {
 
 template <int Dim>
 void RobustIncrementalJoin<Dim>::compare_with(const std::set<std::size_t>& left_out_before, RobustlyAdded& done) const {
-  for (const std::size_t k : closures_) {
-    const bool was_out = left_out_before.contains(k);
-    const bool is_out = join_.left_out().contains(k);
-    if (was_out != is_out) (is_out ? done.rejected : done.readmitted).push_back(name(k));
-  }
+  const auto note = [&](const std::set<std::size_t>& here, const std::set<std::size_t>& there,
+                        std::vector<ClosureName>& names) {
+    std::vector<std::size_t> closures;
+    std::ranges::set_difference(here, there, std::back_inserter(closures));
+    for (const std::size_t k : closures) names.push_back(name(k));
+  };
+  note(join_.left_out(), left_out_before, done.rejected);
+  note(left_out_before, join_.left_out(), done.readmitted);
 }
 
 template <int Dim>

@@ -50,6 +50,9 @@ class RobustIncrementalJoin {
   Expected<RobustlyAdded> add(SubmapUpdate<Dim> update, const std::stop_token& stop = {});
   /// Adds many updates at once, and judges all closures. Bad input as IncrementalJoin::add_all(), but nothing is then added.
   Expected<RobustlyAdded> add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
+  /// Lets the local map of an update keep more poses, as IncrementalJoin::keep_more() does; updates count as they were added
+  /// here.
+  Expected<RobustlyAdded> keep_more(std::size_t number, const SubmapUpdate<Dim>& map, const std::stop_token& stop = {});
   /// Lets find_inliers() judge all closures, even without doubt, and joins all by join(), too. At the end of a log of raw
   /// segments the closures that are left out are those that find_inliers() rejects, and the estimate is that of the rest.
   RobustlyAdded judge(const std::stop_token& stop = {});
@@ -84,7 +87,7 @@ class RobustIncrementalJoin {
   RobustOptions options_;
   IncrementalJoin<Dim> join_;
   std::vector<std::size_t> closures_;  // their numbers among the updates of join_, ascending
-  std::size_t added_ = 0;              // updates so far, however many closures they had
+  std::vector<std::size_t> added_;     // the numbers of the updates that were added, without their closures
   bool is_doubtful_ = false;
   std::size_t asked_at_ = 0;  // number of updates of join_ when find_inliers() was asked last, and not interrupted
 };

@@ -217,6 +217,20 @@ bool speaks_of_world(const SubmapUpdate<Dim>& update) {
 }
 
 template <int Dim>
+bool has_closures_only(const SubmapUpdate<Dim>& update) {
+  return update.segments.empty() && update.features.empty() && !speaks_of_world(update);
+}
+
+template <int Dim>
+SubmapUpdate<Dim> with_map(SubmapUpdate<Dim> update, const SubmapUpdate<Dim>& map) {
+  update.segments.clear();
+  update.graph.submaps.clear();
+  SubmapUpdate<Dim> with_map = set_of<Dim>({&map, &update});
+  with_map.source = std::move(update.source);
+  return with_map;
+}
+
+template <int Dim>
 SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
   SubmapSet<Dim> set;
   NewNames<Dim> names;
@@ -248,6 +262,8 @@ SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
   template Expected<void> check_update(const SubmapUpdate<Dim>&);                                                              \
   template PartialMap<Dim> composed(const SubmapUpdate<Dim>&);                                                                 \
   template bool speaks_of_world(const SubmapUpdate<Dim>&);                                                                     \
+  template bool has_closures_only(const SubmapUpdate<Dim>&);                                                                   \
+  template SubmapUpdate<Dim> with_map(SubmapUpdate<Dim>, const SubmapUpdate<Dim>&);                                            \
   template SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

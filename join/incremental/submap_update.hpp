@@ -18,7 +18,7 @@ namespace mapjoin {
 ///   and others that factors concern, which are of other updates' segments. Names that nothing concerns do not count.
 /// - `graph.submaps`: the local map, if the segment is one.
 /// - `graph.pose_factors`, `graph.feature_factors`, `graph.fixed`: odometry and observations of a raw segment, closures to
-///   known poses, priors and fixed poses.
+///   known poses, observations from known poses that come late, priors and fixed poses.
 template <int Dim>
 using SubmapUpdate = SubmapSet<Dim>;
 
@@ -72,6 +72,14 @@ PartialMap<Dim> composed(const SubmapUpdate<Dim>& update);
 /// True if the update has priors or fixed poses.
 template <int Dim>
 bool speaks_of_world(const SubmapUpdate<Dim>& update);
+
+/// True for an update of closures alone, on which neither another update nor the frame of the map builds.
+template <int Dim>
+bool has_closures_only(const SubmapUpdate<Dim>& update);
+
+/// An update with the local map of another one, which has nothing else, instead of its own.
+template <int Dim>
+SubmapUpdate<Dim> with_map(SubmapUpdate<Dim> update, const SubmapUpdate<Dim>& map);
 
 /// The updates as one set, in which a segment that begins with the last pose of another follows it.
 template <int Dim>

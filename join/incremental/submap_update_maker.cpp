@@ -28,35 +28,50 @@ SubmapUpdateMaker<Dim>::SubmapUpdateMaker(SplitOptions split, MinimiseOptions so
 
 template <int Dim>
 bool SubmapUpdateMaker<Dim>::is_past(const PoseId& pose) const {
-  return !is_kept_.empty() && pose != last_ && (is_kept_.contains(pose) || pose < last_);
-}
-
-template <int Dim>
-bool SubmapUpdateMaker<Dim>::is_kept(const PoseId& pose) const {
-  const auto known = is_kept_.find(pose);
-  return known == is_kept_.end() ? !is_past(pose) : known->second;
+  return !eliminated_in_.empty() && pose != last_ && (eliminated_in_.contains(pose) || pose < last_);
 }
 
 template <int Dim>
 bool SubmapUpdateMaker<Dim>::add(const Log<Dim>& news) {
   demand_sound(check_invariants(news));
-  const auto name = [&](PoseIndex pose) { return news.poses[pose]; };
+  std::set<PoseId> late;
+  const auto name = [&](PoseIndex pose) {
+    if (is_past(news.poses[pose])) late.insert(news.poses[pose]);
+    return news.poses[pose];
+  };
   for (const auto& o : news.edges()) {
     const PoseId base = name(o.base);
     const PoseId target = name(o.target);
-    if (!is_kept(base) || !is_kept(target)) return false;
     (is_past(base) || is_past(target) ? closures_ : edges_).push_back({base, target, o});
   }
   for (const auto& o : news.observations()) {
     const PoseId pose = name(o.base);
-    if (is_past(pose)) return false;
-    observations_.push_back({pose, news.features[o.target], o});
+    (is_past(pose) ? late_observations_ : observations_).push_back({pose, news.features[o.target], o});
   }
-  for (const auto& o : news.pose_priors()) {
-    if (!is_kept(name(o.target))) return false;
-    pose_priors_.push_back({name(o.target), o});
-  }
+  for (const auto& o : news.pose_priors()) pose_priors_.push_back({name(o.target), o});
   for (const auto& o : news.feature_priors()) feature_priors_.push_back({news.features[o.target], o});
+  return keep(late);
+}
+
+template <int Dim>
+bool SubmapUpdateMaker<Dim>::keep(const std::set<PoseId>& poses) {
+  std::set<std::size_t> stale;
+  for (const PoseId& pose : poses) {
+    const auto known = eliminated_in_.find(pose);
+    if (known == eliminated_in_.end()) return false;
+    if (const auto update = std::exchange(known->second, std::nullopt)) stale.insert(*update);
+  }
+  return std::ranges::all_of(stale, [&](std::size_t update) { return remake(update); });
+}
+
+template <int Dim>
+bool SubmapUpdateMaker<Dim>::remake(std::size_t update) {
+  const Log<Dim>& log = segments_.at(update);
+  Split split = split_along(log, {{0, PoseIndex(std::ssize(log.poses) - 1), true}});
+  for (const PoseIndex p : indices(log.poses)) split.kept[p] = !eliminated_in_.at(log.poses[p]);
+  const auto built = build_local_maps<Dim>(log, split, {solver_, nullptr});
+  if (!built || built->maps.empty()) return false;
+  remade_.push_back({update, submap_updates_of(log, split, built->maps).front()});
   return true;
 }
 
@@ -93,8 +108,10 @@ template <int Dim>
 Expected<std::vector<SubmapUpdate<Dim>>> SubmapUpdateMaker<Dim>::take(bool is_end) {
   std::vector<SubmapUpdate<Dim>> updates;
   if (edges_.empty() && observations_.empty()) {
-    const bool has_late = !closures_.empty() || !pose_priors_.empty() || !feature_priors_.empty();
+    const bool has_late =
+        !closures_.empty() || !late_observations_.empty() || !pose_priors_.empty() || !feature_priors_.empty();
     if (is_end && has_late) hand_over(updates = {SubmapUpdate<Dim>{}}, is_end);
+    taken_ += updates.size();
     return updates;
   }
   auto next = window(is_end);
@@ -103,22 +120,43 @@ Expected<std::vector<SubmapUpdate<Dim>>> SubmapUpdateMaker<Dim>::take(bool is_en
   const auto built = build_local_maps<Dim>(next->log, next->split, {solver_, nullptr});
   if (!built) return tl::unexpected(built.error());
   note_poses(*next);
+  note_maps(*next);
   updates = submap_updates_of(next->log, next->split, built->maps);
   hand_over(updates, is_end);
   forget(*next);
+  taken_ += updates.size();
   return updates;
 }
 
 template <int Dim>
 void SubmapUpdateMaker<Dim>::note_poses(const Window& window) {
-  for (PoseIndex p = 0; p <= window.split.segments.back().end; ++p) {
-    if (is_kept_.emplace(window.log.poses[p], window.split.kept[p]).second) last_ = window.log.poses[p];
+  for (std::size_t k = 0; k < window.split.segments.size(); ++k) {
+    const Segment& segment = window.split.segments[k];
+    for (PoseIndex p = segment.begin; p <= segment.end; ++p) {
+      const auto update = window.split.kept[p] ? std::nullopt : std::optional(taken_ + k);
+      if (eliminated_in_.emplace(window.log.poses[p], update).second) last_ = window.log.poses[p];
+    }
+  }
+}
+
+/// Notes the odometry and observations of the window's local maps, to make them anew from.
+template <int Dim>
+void SubmapUpdateMaker<Dim>::note_maps(const Window& window) {
+  const Log<Dim>& log = window.log;
+  for (std::size_t k = 0; k < window.split.segments.size(); ++k) {
+    const Segment& segment = window.split.segments[k];
+    if (!segment.is_map) continue;
+    LogBuilder<Dim> builder("", {}, Numbers::kChecked);
+    for (const auto& o : odometry_of(log, segment)) builder.add(log.poses[o.base], log.poses[o.target], o);
+    for (const auto& o : observations_of(log, segment)) builder.add(log.poses[o.base], log.features[o.target], o);
+    segments_.emplace(taken_ + k, std::move(builder).finish(PoseOrder::kOfIds).value());
   }
 }
 
 template <int Dim>
 void SubmapUpdateMaker<Dim>::hand_over(std::vector<SubmapUpdate<Dim>>& updates, bool is_end) {
   hand_over_closures(updates);
+  hand_over_late_observations(updates);
   hand_over_pose_priors(updates);
   hand_over_feature_priors(updates, is_end);
 }
@@ -126,7 +164,7 @@ void SubmapUpdateMaker<Dim>::hand_over(std::vector<SubmapUpdate<Dim>>& updates, 
 template <int Dim>
 void SubmapUpdateMaker<Dim>::hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates) {
   std::erase_if(closures_, [&](const Edge& closure) {
-    if (!is_kept_.contains(closure.base) || !is_kept_.contains(closure.target)) return false;
+    if (!eliminated_in_.contains(closure.base) || !eliminated_in_.contains(closure.target)) return false;
     SubmapUpdate<Dim>& update = update_of(std::max(closure.base, closure.target), updates);
     PoseFactor<Dim>& o = update.graph.pose_factors.emplace_back(closure.observation);
     o.base = enter_name(update.poses, closure.base);
@@ -138,11 +176,21 @@ void SubmapUpdateMaker<Dim>::hand_over_closures(std::vector<SubmapUpdate<Dim>>& 
 template <int Dim>
 void SubmapUpdateMaker<Dim>::hand_over_pose_priors(std::vector<SubmapUpdate<Dim>>& updates) {
   std::erase_if(pose_priors_, [&](const PosePrior& of) {
-    if (!is_kept_.contains(of.pose)) return false;
+    if (!eliminated_in_.contains(of.pose)) return false;
     SubmapUpdate<Dim>& update = update_of(of.pose, updates);
     update.graph.pose_factors.emplace_back(of.prior).target = enter_name(update.poses, of.pose);
     return true;
   });
+}
+
+template <int Dim>
+void SubmapUpdateMaker<Dim>::hand_over_late_observations(std::vector<SubmapUpdate<Dim>>& updates) {
+  for (const Observation& late : std::exchange(late_observations_, {})) {
+    SubmapUpdate<Dim>& update = updates.front();
+    FeatureFactor<Dim>& o = update.graph.feature_factors.emplace_back(late.observation);
+    o.base = enter_name(update.poses, late.pose);
+    o.target = enter_name(update.features, late.feature);
+  }
 }
 
 /// One of a feature that is known already waits for an update that sees it again.

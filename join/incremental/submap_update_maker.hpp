@@ -7,9 +7,19 @@
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
+#include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
+
+/// A local map that keeps more poses than before, as an update of its own.
+template <int Dim>
+struct RemadeMap {
+  std::size_t update = 0;  ///< Number of the update whose map it is; they count from 0 as they were taken.
+  SubmapUpdate<Dim> map;
+};
 
 /// Makes updates of a growing log. A segment is complete when the step after it has come, as its observations then have, too,
 /// in a log that is written while the robot drives. A segment that sees no feature stays raw, as only closures to its poses can
@@ -20,11 +30,16 @@ class SubmapUpdateMaker {
   /// `split` is by a number of poses, features or metres; kAuto is 10 poses, as its cost model needs the whole log.
   explicit SubmapUpdateMaker(SplitOptions split, MinimiseOptions solver = {});
 
-  /// Takes odometry, closures, feature observations and priors, with their losses; fixed poses are ignored. False if an edge or
-  /// a prior concerns a pose that a map has eliminated, or an observation is from a pose of an update: the log must then be cut
-  /// anew, from its begin, by another maker. Throws std::invalid_argument if check_invariants() finds a fault.
+  /// Takes odometry, closures, feature observations and priors, with their losses; fixed poses are ignored. What concerns a
+  /// pose that a local map has eliminated makes that map anew, with the pose (see take_remade()). False if a new pose has to
+  /// be before those of updates, or such a map cannot be made: the log must then be cut anew, from its begin, by another maker.
+  /// Throws std::invalid_argument if check_invariants() finds a fault.
   bool add(const Log<Dim>& news);
-  /// The updates that are complete; at the end of the log all that is left. Bad input if a pose cannot be named.
+  /// The local maps that were made anew since the last call, to be put in the place of their former ones before updates are
+  /// taken, which may concern their poses.
+  std::vector<RemadeMap<Dim>> take_remade() { return std::exchange(remade_, {}); }
+  /// The updates that are complete; at the end of the log all that is left. What comes late, of poses of updates, is in the
+  /// first of them. Bad input if a pose cannot be named.
   Expected<std::vector<SubmapUpdate<Dim>>> take(bool is_end);
 
  private:
@@ -55,7 +70,11 @@ class SubmapUpdateMaker {
 
   /// True if the pose is in an update, and no further one begins with it.
   bool is_past(const PoseId& pose) const;
-  bool is_kept(const PoseId& pose) const;
+  /// Keeps these poses in the local maps that have eliminated them, which it makes anew. False if one cannot be made.
+  bool keep(const std::set<PoseId>& poses);
+  bool remake(std::size_t update);
+  void note_maps(const Window& window);
+  void hand_over_late_observations(std::vector<SubmapUpdate<Dim>>& updates);
   Expected<Window> window(bool is_end) const;
   /// Notes the window's poses up to the open ones.
   void note_poses(const Window& window);
@@ -73,7 +92,11 @@ class SubmapUpdateMaker {
   std::vector<Observation> observations_;
   std::vector<PosePrior> pose_priors_;  // that are in no update yet, as the next
   std::vector<FeaturePrior> feature_priors_;
-  std::map<PoseId, bool> is_kept_;  // true if kept; for the poses of all updates
+  std::vector<Observation> late_observations_;                  // from poses that are past
+  std::map<PoseId, std::optional<std::size_t>> eliminated_in_;  // for the poses of all updates; nullopt if kept
+  std::map<std::size_t, Log<Dim>> segments_;                    // those of local maps, by the number of their update
+  std::vector<RemadeMap<Dim>> remade_;
+  std::size_t taken_ = 0;  // updates so far
   PoseId last_;
 };
 

@@ -248,7 +248,7 @@ TEST_F(Follow, ALogThatIsReplacedEndsItAndWhatWasThereIsKept) {
 }
 
 /// Vertices and edges wait for each other, as they may where the log is cut.
-TEST_F(Follow, AClosureToAnEliminatedPoseMakesTheMapsAnew) {
+TEST_F(Follow, AClosureToAnEliminatedPoseJoinsTheOthersWithTheNextMap) {
   std::ofstream growing(path("log.g2o"));
   growing << "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 777 0 0 0\n";
   for (std::size_t l = 0; l < 2000; ++l) growing << log[l];
@@ -256,15 +256,28 @@ TEST_F(Follow, AClosureToAnEliminatedPoseMakesTheMapsAnew) {
   Process process(command_line({"run", path("log.g2o"), "--follow", "--idle", "600", "--steps", path("steps")}));
   await_steps(1);
   growing << "EDGE_SE2 5 15 0 0 0 1e-6 0 0 1e-6 0 1e-6\n";
+  for (std::size_t l = 2000; l < 2200; ++l) growing << log[l];
   growing.flush();
   await_steps(2);
   process.send(SIGINT);
   EXPECT_EQ(process.wait(), 0) << process.standard_error();
   const auto all = steps();
-  ASSERT_EQ(all.size(), 3u);
-  EXPECT_EQ(all[1].at("map"), 1);
-  EXPECT_TRUE(all[1].at("joined"));
-  EXPECT_EQ(all[1].at("maps"), all[0].at("maps"));
+  std::size_t maps = 0;
+  for (const auto& step : all) {
+    EXPECT_EQ(step.at("map"), maps + 1) << "the maps before stay";
+    maps += step.at("maps").get<std::size_t>();
+  }
+  EXPECT_GT(all.back().at("dof"), all.front().at("dof"));
+}
+
+/// A pose that is measured only from the World is in no map.
+TEST_F(Follow, AStepWithoutAMapIsOfNoPoses) {
+  folder.file("log.g2o", "EDGE_PRIOR_SE2 7 1 2 0 1 0 0 1 0 1\n");
+  call({"run", path("log.g2o"), "--follow", "--idle", "0", "--steps", path("steps")});
+  ASSERT_EQ(steps().size(), 1u);
+  EXPECT_EQ(steps()[0].at("maps"), 0);
+  EXPECT_TRUE(steps()[0].at("first_pose").is_null());
+  EXPECT_TRUE(steps()[0].at("last_pose").is_null());
 }
 
 TEST_F(Follow, WhatCannotBeFollowedIsSaid) {

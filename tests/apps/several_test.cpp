@@ -43,6 +43,28 @@ class SeveralInputs : public ::testing::Test {
   std::string b = (folder.path() / "b.g2o").string();
 };
 
+/// The second robot begins a metre on, and its prior, too, says that it begins at the origin.
+TEST_F(SeveralInputs, PriorsOfFramesOfTheirOwnAreSuspected) {
+  const std::string prior = "EDGE_PRIOR_SE2 0 0 0 0 10000 0 0 10000 0 10000\n";
+  const auto log = [&](double x) {
+    std::string text = "EDGE_SE2 0 1 1 0 0 10000 0 0 10000 0 10000\n";
+    for (const int pose : {0, 1}) {
+      text += fmt::format("EDGE_SE2_XY {} 7 {} 1 10000 0 10000\nEDGE_SE2_XY {} 8 {} -1 10000 0 10000\n", pose, 2 - x - pose,
+                          pose, 2 - x - pose);
+    }
+    return text;
+  };
+  const std::string first = folder.file("first.g2o", prior + log(0)).string();
+  const std::string second = folder.file("second.g2o", prior + log(1)).string();
+  const std::string note = "the priors of all inputs are of one World: if those of each are in a frame of its own";
+  const Ended both = call({"run", first, second});
+  EXPECT_THAT(both.out, HasSubstr("MISFIT: prior of pose 0"));
+  EXPECT_THAT(both.out, HasSubstr(note));
+  const Ended one = call({"run", first, folder.file("second.g2o", log(1)).string()});
+  EXPECT_THAT(one.out, HasSubstr("verdict      fits"));
+  EXPECT_THAT(one.out, Not(HasSubstr(note)));
+}
+
 TEST_F(SeveralInputs, RunJoinsTwoLogsByTheirFeatures) {
   const auto joined = report_of({"run", a, b, "-o", (folder.path() / "map.csv").string()});
   EXPECT_EQ(joined["input"], a + " + " + b);

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Small sets of local maps, without their log.
+// Small sets of local maps, without their log, and what they see.
 
+#include <mapjoin/join/association/feature_estimate.hpp>
+#include <mapjoin/join/association/identities.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/submap_set.hpp>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace mapjoin::testing {
 
@@ -35,6 +40,15 @@ SubmapSet<Dim> small_submap_set(const Log<Dim>& log, double poses_per_map) {
   }
   set.features = log.features;
   return set;
+}
+
+/// The sightings of local maps, each of a feature of its own.
+template <int Dim>
+Identities all_apart(const SubmapSet<Dim>& set) {
+  std::vector<Sighting> sightings = sightings_of(set);
+  std::vector<std::size_t> labels(sightings.size());
+  std::iota(labels.begin(), labels.end(), std::size_t{0});
+  return {std::move(sightings), std::move(labels)};
 }
 
 }  // namespace mapjoin::testing

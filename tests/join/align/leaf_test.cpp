@@ -62,5 +62,24 @@ TYPED_TEST(LeavesTest, LeaveTheObservationsBetweenThemAsClosures) {
   }
 }
 
+/// One of a feature that the map of a segment has, and one of another.
+TYPED_TEST(LeavesTest, HaveWhatPosesOfMapsSeeBesides) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = build_local_maps(this->world.log, this->parts, {}).value().maps;
+  auto graph = submap_graph_of(this->world.log, this->parts, maps);
+  const PoseIndex base = graph.segments.front().begin;
+  const FeatureIndex known = Leaves(graph).partial(0).features.front();
+  const FeatureIndex other(graph.feature_count++);
+  const FeatureFactor<kDim> again{base, known, Point<kDim>::Ones(), PointMatrix<kDim>::Identity(), {}};
+  const FeatureFactor<kDim> first{base, other, Point<kDim>::Ones(), PointMatrix<kDim>::Identity(), {}};
+  const Point<kDim> before = feature_in(Leaves(graph).partial(0), known);
+  graph.factors.feature_factors.push_back(&again);
+  graph.factors.feature_factors.push_back(&first);
+  const auto partial = Leaves(graph).partial(0);
+  EXPECT_EQ(partial.factors.feature_factors, (std::vector<const FeatureFactor<kDim>*>{&again, &first}));
+  EXPECT_EQ(feature_in(partial, known), before);
+  EXPECT_EQ(feature_in(partial, other), Point<kDim>(Point<kDim>::Ones()));
+}
+
 }  // namespace
 }  // namespace mapjoin

@@ -6,22 +6,12 @@
 #include <cmath>
 #include <mapjoin/join/association/feature_candidates.hpp>
 #include <mapjoin/measure/statistics.hpp>
-#include <numeric>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_submap_set.hpp>
 #include <tests/support/wood.hpp>
 
 namespace mapjoin {
 namespace {
-
-/// The sightings of local maps, each of a feature of its own.
-template <int Dim>
-Identities all_apart(const SubmapSet<Dim>& set) {
-  std::vector<Sighting> sightings = sightings_of(set);
-  std::vector<std::size_t> labels(sightings.size());
-  std::iota(labels.begin(), labels.end(), std::size_t{0});
-  return {std::move(sightings), std::move(labels)};
-}
 
 /// The local maps of a wood, whose features have no names.
 template <typename D>
@@ -38,7 +28,7 @@ class FeatureCandidatesTest : public ::testing::Test {
   }
 
   SubmapSet<kDim> set = testing::small_submap_set(testing::wood<kDim>(1).log, 20.0);
-  Identities identities = all_apart(set);
+  Identities identities = testing::all_apart(set);
   Table<FeatureIndex, FeatureIndex> names;  // the trees, by feature
   FeatureEstimate<kDim> estimate = estimate_of(renamed(set, identities), {}).value();
   double gate = chi_squared_quantile(0.999, kDim);

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/join/association/map_matching.hpp>
-#include <numeric>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_submap_set.hpp>
 #include <tests/support/wood.hpp>
@@ -23,10 +22,7 @@ SubmapSet<Dim> maps_of_a_wood(double weight) {
 /// known to be that of another.
 template <int Dim>
 std::vector<MapPair<Dim>> pairs_within_reach(const SubmapSet<Dim>& set) {
-  std::vector<Sighting> sightings = sightings_of(set);
-  std::vector<std::size_t> labels(sightings.size());
-  std::iota(labels.begin(), labels.end(), std::size_t{0});
-  const Identities identities(std::move(sightings), std::move(labels));
+  const Identities identities = testing::all_apart(set);
   std::vector<std::vector<Point<Dim>>> seen_at_once;
   for (const auto& map : set.graph.submaps) seen_at_once.push_back(map.feature_estimates);
   const NeighbourDensity<Dim> density(seen_at_once);

@@ -176,33 +176,59 @@ TYPED_TEST(SubmapUpdateMakerTest, ClosuresKeepTheirLossesWhereverTheyLead) {
   EXPECT_EQ(ends, (std::vector<PoseId>{{0, 4}, {0, 18}}));
 }
 
-TYPED_TEST(SubmapUpdateMakerTest, WhatConcernsAMapThatIsMadeIsRefused) {
+TYPED_TEST(SubmapUpdateMakerTest, WhatConcernsAnEliminatedPoseMakesItsMapAnew) {
   constexpr int kDim = TestFixture::kDim;
   const auto slices = driven(testing::small_world<kDim>({.poses = 30, .closures = 0}).log, 30);
   SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
   ASSERT_TRUE(maker.add(slices[0]));
-  ASSERT_EQ(maker.take(false).value().size(), 4u);
-  const auto edge = [](std::uint64_t base, std::uint64_t target) {
+  const auto updates = maker.take(false).value();
+  ASSERT_EQ(updates.size(), 4u);
+  const auto add_edge = [&](std::uint64_t base, std::uint64_t target) {
     LogBuilder<kDim> builder("edge");
     builder.add_pose_edge({0, base}, {0, target}, {}, PoseMatrix<kDim>::Identity());
-    return std::move(builder).finish().value();
+    return maker.add(std::move(builder).finish().value());
   };
-  EXPECT_TRUE(maker.add(edge(6, 29)));   // a kept pose and an open one
-  EXPECT_TRUE(maker.add(edge(12, 18)));  // kept ones
-  EXPECT_FALSE(maker.add(edge(29, 8)));  // one that was eliminated
+  const auto add_prior = [&](std::uint64_t pose) {
+    LogBuilder<kDim> builder("prior");
+    builder.add_pose_prior({0, pose}, {}, PoseMatrix<kDim>::Identity());
+    return maker.add(std::move(builder).finish().value());
+  };
+  EXPECT_TRUE(add_edge(6, 29));   // a kept pose and an open one
+  EXPECT_TRUE(add_edge(12, 18));  // kept ones
+  EXPECT_TRUE(add_prior(12));
+  EXPECT_TRUE(maker.take_remade().empty());
+  EXPECT_TRUE(add_edge(29, 8));
+  EXPECT_TRUE(add_prior(8));
   LogBuilder<kDim> late("sight");
   late.add_observation({0, 3}, {0}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
-  EXPECT_FALSE(maker.add(std::move(late).finish().value()));
-  const auto prior_of = [](std::uint64_t pose) {
-    LogBuilder<kDim> prior("prior");
-    prior.add_pose_prior({0, pose}, {}, PoseMatrix<kDim>::Identity());
-    return std::move(prior).finish().value();
-  };
-  EXPECT_TRUE(maker.add(prior_of(12)));
-  EXPECT_FALSE(maker.add(prior_of(8)));
+  EXPECT_TRUE(maker.add(std::move(late).finish().value()));
+  const auto remade = maker.take_remade();
+  ASSERT_EQ(remade.size(), 2u);
+  EXPECT_EQ(remade[0].update, 1u);
+  EXPECT_EQ(remade[0].map.poses, (PoseIds{{0, 6}, {0, 8}, {0, 12}}));
+  EXPECT_EQ(remade[0].map.features.size(), updates[1].features.size());
+  EXPECT_EQ(remade[1].update, 0u);
+  EXPECT_EQ(remade[1].map.poses, (PoseIds{{0, 0}, {0, 3}, {0, 6}}));
+  EXPECT_TRUE(maker.take_remade().empty());
   const auto rest = maker.take(true).value();
   ASSERT_EQ(rest.size(), 1u);
-  EXPECT_EQ(rest[0].graph.pose_factors.size(), 3u);
+  EXPECT_EQ(rest[0].graph.pose_factors.size(), 5u);
+  EXPECT_EQ(rest[0].graph.feature_factors.size(), 1u);
+}
+
+TYPED_TEST(SubmapUpdateMakerTest, ANewPoseBeforeThoseOfUpdatesIsRefused) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto log = testing::small_world<kDim>({.poses = 30, .closures = 0}).log;
+  LogBuilder<kDim> builder("without pose 3");
+  for (const auto& o : log.odometry()) {
+    if (o.base != 3 && o.target != 3) builder.add(log.poses[o.base], log.poses[o.target], o);
+  }
+  SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
+  ASSERT_TRUE(maker.add(std::move(builder).finish().value()));
+  ASSERT_FALSE(maker.take(false).value().empty());
+  LogBuilder<kDim> edge("edge");
+  edge.add_pose_edge({0, 2}, {0, 3}, {}, PoseMatrix<kDim>::Identity());
+  EXPECT_FALSE(maker.add(std::move(edge).finish().value()));
 }
 
 }  // namespace
