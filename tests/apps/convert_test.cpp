@@ -102,6 +102,15 @@ TEST_F(ConvertTest, SegmentsThatAreNoLocalMapsAreCounted) {
   }
 }
 
+TEST_F(ConvertTest, AFolderThatIsThereKeepsItsPermissions) {
+  ASSERT_EQ(call({"build", town, "-o", path("maps"), "--quiet"}).exit_code, 0);
+  std::filesystem::create_directory(path("set"));
+  const auto of_owner = std::filesystem::perms::owner_all;
+  std::filesystem::permissions(path("set"), of_owner);
+  ASSERT_EQ(call({"convert", path("maps"), path("set"), "--to", "maps-text"}).exit_code, 0);
+  EXPECT_EQ(std::filesystem::status(path("set")).permissions(), of_owner);
+}
+
 TEST_F(ConvertTest, TrajectoriesAreTruthInEitherFormat) {
   const std::string truth = kBundledTruth;
   ASSERT_EQ(call({"convert", truth, path("truth.kitti")}).exit_code, 0);
