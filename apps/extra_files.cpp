@@ -56,13 +56,17 @@ std::vector<ExtraFile> files_beside(const Options& options, bool has_covariances
   return files;
 }
 
+const char* name_in_folder(Extra extra) {
+  return row_of(extra).in_folder;
+}
+
 fs::path extra_file(Extra extra, const fs::path& map) {
   return fs::path(map).replace_extension(row_of(extra).beside);
 }
 
 bool has_extra_file(Extra extra, const fs::path& map) {
   std::error_code ignored;
-  const char* const in_folder = row_of(extra).in_folder;
+  const char* const in_folder = name_in_folder(extra);
   if (fs::is_directory(map, ignored)) return fs::is_regular_file(map / in_folder, ignored);
   const std::string name = map.filename().string();
   const bool may_be_of_run = name == kMapOfRun || is_extra_of_run(name);

@@ -22,6 +22,8 @@ struct ExtraFile {
 std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances = true);
 /// Those of them that lie beside a map of one file, which is no stream (is_stream()).
 std::vector<ExtraFile> files_beside(const Options& options, bool has_covariances = true);
+/// The name of an extra file in the folder of a run.
+const char* name_in_folder(Extra extra);
 /// The path of an extra file beside a map of one file: `map.covariances.json` beside `map.g2o`.
 std::filesystem::path extra_file(Extra extra, const std::filesystem::path& map);
 /// True if the map at this path has such an extra file: in the folder of its run, whether the path is that or a file of it, or

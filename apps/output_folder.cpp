@@ -40,6 +40,13 @@ void make_folder(const fs::path& folder, const fs::path& output) {
   demand_done(output, failure);
 }
 
+/// Gives the folder aside the permissions of the one that it stands for, if that is there; its owner may write into it.
+void take_permissions_of(const fs::path& folder, const fs::path& aside) {
+  std::error_code ignored;
+  const fs::file_status there = fs::status(folder, ignored);
+  if (fs::is_directory(there)) fs::permissions(aside, there.permissions() | fs::perms::owner_all, ignored);
+}
+
 /// Removes all but the lock.
 void clear(const fs::path& aside, std::error_code& failure) {
   for (const auto& left : fs::directory_iterator(aside, failure)) {
@@ -73,6 +80,7 @@ void OutputFolder::begin() {
   std::error_code failure;
   for (int tries = 0; !lock_.is_open(); ++tries) {
     make_folder(aside_, path_);
+    take_permissions_of(path_, aside_);
     auto lock = open_alone(aside_ / kLock, path_);
     // Another process may have finished, and removed it, just now.
     if (!lock && (tries == kMostTries || fs::exists(aside_, failure))) demand(tl::unexpected(lock.error()));

@@ -40,7 +40,7 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
 /// True if a command reads this file of a folder that it is given: of a run, of local maps, or of UTIAS MRCLAM.
 bool is_read(const fs::path& file) {
   const bool is_of_run = is_run_folder(file.parent_path()) && is_file_of_run(file.filename());
-  return (is_of_run && file.filename() != "map.svg") || local_map_number(file.filename()) || file.extension() == ".dat";
+  return (is_of_run && file.filename() != kPictureOfRun) || local_map_number(file.filename()) || file.extension() == ".dat";
 }
 
 /// The input or, if it is a folder, the files read there.

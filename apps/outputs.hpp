@@ -76,8 +76,10 @@ std::vector<std::string> check_extension(const std::filesystem::path& path, bool
 std::vector<std::string> demand_extension(const std::filesystem::path& path);
 
 inline constexpr const char* kReportOfRun = "report.json";
+inline constexpr const char* kTrajectoryOfRun = "trajectory.tum";
+inline constexpr const char* kPictureOfRun = "map.svg";
 /// The files that every run writes into its folder beside its report; options may add others.
-inline constexpr std::array kFilesOfRun = {kMapOfRun, "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
+inline constexpr std::array kFilesOfRun = {kMapOfRun, kTrajectoryOfRun, kPosesOfRun, kFeaturesOfRun, kPictureOfRun};
 /// True if a run may write a file of this name into its folder, whatever its options.
 bool is_file_of_run(const std::string& name);
 /// The name of the trajectory of one of several sessions, in the folder of a run.

@@ -31,6 +31,7 @@ void fill_map(const Source<Dim>& source, Values<Dim> state, const std::vector<Po
   result.map.features = std::move(state.features);
   result.map.gauge = anchored;
   result.map.conventions = source.conventions;
+  take_off_turns(result.map);
 }
 
 template <int Dim>

@@ -23,16 +23,13 @@ namespace {
 void demand_none_of_logs(const std::string& input, const Options& options) {
   const ReadOptions& read = options.read;
   const bool has_truth = !options.truth.empty();
-  const std::pair<const char*, bool> of_logs[] = {
-      {"--g2o-error", read.pose_error != PoseError::kPaper},
-      {"--rotation-information", read.rotation_information != RotationInformation::kVector},
-      {"--from", read.from.has_value()},
-      {"--skip-unknown", !has_truth && read.skip_unknown},
-      {"--skip-self-edges", !has_truth && read.skip_self_edges},
-      {"--skip-undeclared", !has_truth && read.undeclared == Undeclared::kSkipped},
-      {"--identity-where-missing", !has_truth && read.identity_where_missing},
-      {"--stamps", !options.stamps.empty()},
-      {"--ids-are-nanoseconds", options.ids_are_nanoseconds}};
+  const std::pair<const char*, bool> of_logs[] = {{"--from", read.from.has_value()},
+                                                  {"--skip-unknown", !has_truth && read.skip_unknown},
+                                                  {"--skip-self-edges", !has_truth && read.skip_self_edges},
+                                                  {"--skip-undeclared", !has_truth && read.undeclared == Undeclared::kSkipped},
+                                                  {"--identity-where-missing", !has_truth && read.identity_where_missing},
+                                                  {"--stamps", !options.stamps.empty()},
+                                                  {"--ids-are-nanoseconds", options.ids_are_nanoseconds}};
   for (const auto& [option, is_asked] : of_logs) {
     if (is_asked) fail(ErrorKind::kUsage, fmt::format("{}: holds local maps, and {} is for a log", input, option));
   }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/picture/plotted_map.hpp>
@@ -117,6 +118,20 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, const SubmapS
   return {};
 }
 
+/// Why segments are no local maps, and what may help, to follow that they are none.
+template <int Dim>
+std::string why_raw(const StoredMaps<Dim>& stored) {
+  Table<PoseIndex, bool> is_inside(stored.log.poses.size(), false);
+  for (const Segment& segment : stored.segments) {
+    for (PoseIndex pose = segment.begin + 1; !segment.is_map && pose < segment.end; ++pose) is_inside[pose] = true;
+  }
+  const bool is_closed = std::ranges::any_of(
+      stored.log.closures(), [&](const auto& closure) { return is_inside[closure.base] || is_inside[closure.target]; });
+  return is_closed ? "since closures lead to poses inside of them: these files have place for the ends of maps only"
+                   : "for which these files have no place: `mapjoin build --poses-per-map N` with another N may cut the log "
+                     "without any";
+}
+
 /// Converts the log or the maps of a store.
 template <int Dim>
 Losses convert_any(const ConvertOptions& options, AnyFormat asked, const StoredMaps<Dim>& stored) {
@@ -127,11 +142,9 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, const StoredM
   if (!format) fail(ErrorKind::kUsage, options.input.string() + ": it is a store");
   if (maps.size() < stored.segments.size()) {
     const std::size_t raw = stored.segments.size() - maps.size();
-    fail(ErrorKind::kUsage,
-         fmt::format("{}: {} of its {} {}, but observations, for which these files have no place: `mapjoin build "
-                     "--poses-per-map N` with another N may cut the log without any",
-                     options.input.string(), raw, plural(stored.segments.size(), "segment"),
-                     raw == 1 ? "is not a local map" : "are not local maps"));
+    fail(ErrorKind::kUsage, fmt::format("{}: {} of its {} {}, but observations, {}", options.input.string(), raw,
+                                        plural(stored.segments.size(), "segment"),
+                                        raw == 1 ? "is not a local map" : "are not local maps", why_raw(stored)));
   }
   const bool are_named = are_counted(log.poses) && maps.size() + 1 == log.poses.size();
   Losses lost = write_maps(maps, log.features, *format, are_named, options.output);

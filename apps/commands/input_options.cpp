@@ -42,17 +42,11 @@ std::vector<std::string> check_given_once(const Options& options) {
   return {};
 }
 
-/// Adds the options for data in files of others that a log has no place for; `of` is behind what each does.
-void add_leniency(Subcommand& command, Options& options, const std::string& of) {
-  command.flag("--skip-unknown", options.read.skip_unknown, "Leave out lines of unknown tags" + of);
-  command.flag("--skip-self-edges", options.read.skip_self_edges, "Leave out edges from a pose to itself" + of);
-  const auto skip = std::make_shared<bool>(false);
-  command.flag("--skip-undeclared", *skip, "Leave out lines that name what a file with vertices does not declare" + of);
-  command.flag("--identity-where-missing", options.read.identity_where_missing,
-               "Take the identity for the weights of edges without any" + of);
-  command.check([&options, skip]() -> std::vector<std::string> {
-    if (*skip) options.read.undeclared = Undeclared::kSkipped;
-    return {};
+/// Refuses an option of logs for local maps, whatever its word: also one that says what would be done anyway.
+void refuse_for_maps(Subcommand& command, const Options& options, const std::string& option) {
+  command.check([&command, &options, option]() -> std::vector<std::string> {
+    if (!command.is_given(option) || !may_hold_maps(options.input)) return {};
+    return {fmt::format("{}: holds local maps, and {} is for a log", options.input.string(), option)};
   });
 }
 
@@ -67,12 +61,26 @@ void add_weights(Subcommand& command, Options& options) {
       "indefinite one, and count them");
 }
 
+void add_leniency(Subcommand& command, Options& options, const std::string& of) {
+  command.flag("--skip-unknown", options.read.skip_unknown, "Leave out lines of unknown tags" + of);
+  command.flag("--skip-self-edges", options.read.skip_self_edges, "Leave out edges from a pose to itself" + of);
+  const auto skip = std::make_shared<bool>(false);
+  command.flag("--skip-undeclared", *skip, "Leave out lines that name what a file with vertices does not declare" + of);
+  command.flag("--identity-where-missing", options.read.identity_where_missing,
+               "Take the identity for the weights of edges without any" + of);
+  command.check([&options, skip]() -> std::vector<std::string> {
+    if (*skip) options.read.undeclared = Undeclared::kSkipped;
+    return {};
+  });
+}
+
 void add_reading(Subcommand& command, Options& options) {
   add_weights(command, options);
   command.choice("--g2o-error", options.read.pose_error,
                  "What a g2o file's pose-pose information weighs: the residual in the frame of the base, or g2o's");
   command.choice("--rotation-information", options.read.rotation_information,
                  "What its rotational part weighs in 3D: the rotation vector (GTSAM, SE-Sync) or the quaternion's (g2o)");
+  for (const char* of_g2o : {"--g2o-error", "--rotation-information"}) refuse_for_maps(command, options, of_g2o);
   add_format(command, options);
   add_leniency(command, options, ", and count them");
 }
@@ -90,6 +98,8 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
   command.group("Reading");
   command.choice("--features", options.merging.own_features, std::to_array<EnumName<bool>>({{false, "shared"}, {true, "own"}}),
                  "Whether features of the same id in different " + kind + " are the same");
+  command.flag("--keep-copies", options.merging.keep_copies,
+               "Edges, or whole " + kind + ", that stand in two files count twice");
   command.check([&command, &options]() -> std::vector<std::string> {
     options.features_undecided = !command.is_given("--features");
     return {};
@@ -107,7 +117,6 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
 
 void add_further_logs(Subcommand& command, Options& options) {
   add_further(command, options, "logs");
-  command.flag("--keep-copies", options.merging.keep_copies, "Edges, or whole logs, that stand in two files count twice");
   command.path("--stamps", options.stamps, "FILE", "Times of poses: lines of id and time (s)");
   command.flag("--ids-are-nanoseconds", options.ids_are_nanoseconds, "Ids of poses are their times (ns)");
   command.check([&options]() -> std::vector<std::string> {

@@ -89,18 +89,21 @@ void take_weights(const Options& options, Data& data) {
 /// The number of threads that the run works on.
 std::size_t thread_count(const Options& options);
 
-/// Adds the options for reading a log: --g2o-error, --rotation-information, --repair-information, --covariance, --from; and for
-/// lenient reading: --skip-unknown, --skip-self-edges, --skip-undeclared, --identity-where-missing.
+/// Adds the options for lenient reading of files of others: --skip-unknown, --skip-self-edges, --skip-undeclared,
+/// --identity-where-missing; `of` is behind what each does.
+void add_leniency(Subcommand& command, Options& options, const std::string& of);
+/// Adds the options for reading a log: --g2o-error, --rotation-information, --repair-information, --covariance, --from; and
+/// those for lenient reading.
 void add_reading(Subcommand& command, Options& options);
 /// Adds the options for lenient reading for a command whose truth alone may be a log.
 void add_reading_of_truth(Subcommand& command, Options& options);
-/// Adds an argument for further inputs after `input`, whose kind the help names ("logs"), and --features.
+/// Adds an argument for further inputs after `input`, whose kind the help names ("logs"), --features and --keep-copies.
 void add_further(Subcommand& command, Options& options, const std::string& kind);
 /// Adds --parts: refuse, the largest, or all of them, for commands that make a map of each.
 void add_parts(Subcommand& command, Options& options);
 /// A violation, in words, if a command that makes one map is asked for all parts.
 std::vector<std::string> check_one_part(const Options& options);
-/// Adds further logs by add_further(), and --keep-copies, --stamps, --ids-are-nanoseconds.
+/// Adds further logs by add_further(), and --stamps, --ids-are-nanoseconds.
 void add_further_logs(Subcommand& command, Options& options);
 /// --gps, --gps-lever, --gps-apart: fixes of a satellite receiver hold the map.
 void add_gps(Subcommand& command, Options& options);

@@ -166,8 +166,10 @@ void declare_plot(Subcommand& command) {
   command.refusal("--no-align", options->align, "Overlay maps as they stand, not by what they share with the first one");
   command.flag("--covariances", options->covariances,
                "Local maps: with their covariances when joined; those of a map are drawn where they are beside it");
+  command.group("Reading");
   command.flag("--repair-information", options->read.repair_information,
                "Take the nearest semidefinite matrix for an indefinite information matrix");
+  add_leniency(command, *options, ", also of the truth");
   add_running(command, *options);
   command.check([options] { return check_picture(*options); });
   command.check([options] { return check_files(*options); });

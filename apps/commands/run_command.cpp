@@ -73,9 +73,9 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
   const GlobalMap<Dim>& map = result.map;
   std::vector<std::function<Expected<void>()>> files = {
       [&] { return write_g2o(map, &log, folder.aside(kMapOfRun)); },
-      [&] { return write_tum(map, folder.aside("trajectory.tum")); },
-      [&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); },
-      [&] { return write_file(folder.aside("map.svg"), picture_of(result, log, command_run.run_report)); },
+      [&] { return write_tum(map, folder.aside(kTrajectoryOfRun)); },
+      [&] { return write_csv(map, folder.aside(kPosesOfRun), folder.aside(kFeaturesOfRun)); },
+      [&] { return write_file(folder.aside(kPictureOfRun), picture_of(result, log, command_run.run_report)); },
   };
   for (const std::uint32_t session : sessions_in(map)) {
     files.emplace_back([&, session] { return write_tum(session_of(map, session), folder.aside(trajectory_of(session))); });
@@ -98,7 +98,7 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
   const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value(), sessions_in(result.map));
   command_run.progress().close();
   const std::string capped = ellipse_cap(result.map).in_words();
-  if (!capped.empty()) say("map.svg: " + capped);
+  if (!capped.empty()) say(std::string(kPictureOfRun) + ": " + capped);
   for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
   demand(timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); }));
   command_run.run_report.renamed = in_words(number_for_g2o(result.map.pose_ids, result.map.feature_ids).value());

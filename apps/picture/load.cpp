@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <apps/outputs.hpp>
@@ -12,6 +13,7 @@
 #include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/localmap/split.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <nlohmann/json.hpp>
 
 namespace mapjoin::apps {
@@ -88,7 +90,7 @@ bool is_there(const fs::path& file) {
 std::optional<fs::path> run_of(const fs::path& path) {
   const fs::path parent = path.has_parent_path() ? path.parent_path() : ".";
   const bool is_its_map =
-      path.filename() == kMapOfRun && is_there(path) && is_there(parent / kReportOfRun) && is_there(parent / "poses.csv");
+      path.filename() == kMapOfRun && is_there(path) && is_there(parent / kReportOfRun) && is_there(parent / kPosesOfRun);
   const fs::path& folder = is_its_map ? parent : path;
   return is_run_folder(folder) ? std::optional(folder) : std::nullopt;
 }
@@ -97,7 +99,7 @@ std::optional<fs::path> run_of(const fs::path& path) {
 /// nullopt if there is none, and for a trajectory, which has no names.
 std::optional<fs::path> covariances_beside(const fs::path& path, const std::optional<fs::path>& run) {
   if (!run && extension_of(path) == ".tum") return std::nullopt;
-  const fs::path file = run ? *run / "covariances.json" : extra_file(Extra::kCovariances, path);
+  const fs::path file = run ? *run / name_in_folder(Extra::kCovariances) : extra_file(Extra::kCovariances, path);
   return is_there(file) ? std::optional(file) : std::nullopt;
 }
 
@@ -142,9 +144,9 @@ std::vector<MapFit> read_fits(const fs::path& file, const PoseIds& poses) {
 template <int Dim>
 std::vector<std::string> read_run(const fs::path& folder, const Log<Dim>& log, PlottedMap<Dim>& out) {
   const fs::path run_report = folder / kReportOfRun;
-  const fs::path rejected = folder / "rejected.csv";
+  const fs::path rejected = folder / name_in_folder(Extra::kRejected);
   if (!is_there(run_report) && !is_there(rejected)) return {};
-  for (const char* table : {"poses.csv", "features.csv"}) {
+  for (const char* table : {kPosesOfRun, kFeaturesOfRun}) {
     if (!is_there(folder / table)) {
       return {fmt::format("without its {} neither local maps nor what was rejected are drawn", table)};
     }
@@ -152,6 +154,14 @@ std::vector<std::string> read_run(const fs::path& folder, const Log<Dim>& log, P
   if (is_there(run_report)) out.local_maps = plotted_local_maps(read_fits(run_report, log.poses), log);
   if (is_there(rejected)) add_rejected_links(rejected, log.poses, log.features, out.links);
   return {};
+}
+
+/// A remark on what was left out of a log; none if nothing was.
+std::vector<std::string> remarks_on(const SkipCounts& skipped) {
+  std::vector<std::string> words;
+  for (const auto& [what, count] : skipped) words.push_back(fmt::format("{} ({})", what, count));
+  if (words.empty()) return {};
+  return {fmt::format("left out: {}", fmt::join(words, ", "))};
 }
 
 /// A log in a file, or in the folder of a run.
@@ -164,7 +174,8 @@ LoadedMap loaded(Log<Dim> log, const fs::path& path, const std::optional<fs::pat
   }
   PlottedMap<Dim> out = plotted(log);
   if (certain) take_covariances(*std::move(certain), out.map);
-  auto remarks = run ? read_run(*run, log, out) : std::vector<std::string>();
+  std::vector<std::string> remarks = remarks_on(log.skipped);
+  if (run) append(remarks, read_run(*run, log, out));
   return {std::move(out), ExitCode::kDone, std::move(remarks)};
 }
 

@@ -76,6 +76,7 @@ GlobalMap<Dim> gathered(const Communicator& comm, const LogPart<Dim>& whole, con
     }
     release(message);
   }
+  take_off_turns(map);
   return map;
 }
 

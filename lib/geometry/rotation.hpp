@@ -62,6 +62,11 @@ class Rotation<2> {
   Matrix<2> matrix() const { return (Matrix<2>() << cos_, -sin_, sin_, cos_).finished(); }
   Rotation inverse() const { return Rotation(-angle_, cos_, -sin_); }
   Rotation operator*(const Rotation& other) const { return Rotation(angle_ + other.angle_); }
+  /// The same rotation with its heading in (-π, π].
+  Rotation without_turns() const {
+    const double heading = wrap_angle(angle_);
+    return Rotation(heading == -std::numbers::pi ? std::numbers::pi : heading, cos_, sin_);
+  }
 
  private:
   Rotation(double angle, double cos, double sin) : angle_(angle), cos_(cos), sin_(sin) {}

@@ -209,14 +209,14 @@ Expected<Conventions> common_conventions(const std::vector<NamedConventions>& al
 }
 
 template <typename Part>
-Expected<void> check_no_copies(const std::vector<Part>& parts, const std::string& advice) {
+Expected<void> check_no_copies(const std::vector<Part>& parts) {
   for (auto part = parts.begin(); part != parts.end(); ++part) {
     const auto other = std::find_if(parts.begin(), part, [&](const Part& before) { return is_copy(before, *part); });
     if (other == part || !is_redundant(*part)) continue;
     return tl::unexpected(
         Error{ErrorKind::kUsage, fmt::format("{} has the same poses, features and measurements as {}, number by number, "
-                                             "which would count twice: {}",
-                                             part->source, other->source, advice)});
+                                             "which would count twice: leave one out; --keep-copies takes both for robots",
+                                             part->source, other->source)});
   }
   return {};
 }
@@ -262,9 +262,9 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
   return std::move(builder).finish();
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                   \
-  template Expected<void> check_no_copies(const std::vector<Log<Dim>>&, const std::string&);       \
-  template Expected<void> check_no_copies(const std::vector<SubmapSet<Dim>>&, const std::string&); \
+#define MAPJOIN_INSTANTIATE(Dim)                                               \
+  template Expected<void> check_no_copies(const std::vector<Log<Dim>>&);       \
+  template Expected<void> check_no_copies(const std::vector<SubmapSet<Dim>>&); \
   template Expected<Log<Dim>> merged(std::vector<Log<Dim>>, const MergeOptions&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

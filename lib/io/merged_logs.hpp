@@ -47,11 +47,11 @@ struct NamedConventions {
 /// would mean nothing.
 Expected<Conventions> common_conventions(const std::vector<NamedConventions>& all);
 
-/// kUsage, with `advice`, if one of several logs or sets of maps is a copy of another: it has the same names of poses and
+/// kUsage if one of several logs or sets of maps is a copy of another: it has the same names of poses and
 /// features and the same factors and maps, to the last bit, as no two noisy ones have, and so many that something is
 /// measured more than once. Values, time stamps and fixed poses may differ.
 template <typename Part>
-Expected<void> check_no_copies(const std::vector<Part>& parts, const std::string& advice);
+Expected<void> check_no_copies(const std::vector<Part>& parts);
 
 /// The least power of ten above `largest`; kUsage if `parts` times that does not fit into an id.
 Expected<std::uint64_t> step_apart(std::uint64_t largest, std::size_t parts);

@@ -12,9 +12,6 @@
 namespace mapjoin {
 namespace {
 
-/// The advice where a store or a set of maps is a copy of another.
-constexpr const char* kLeaveOneOut = "leave one out";
-
 /// The indices of one part's poses and features in the whole: poses in their order, features by their names.
 struct Renumbering {
   PoseIndex first_pose = 0;
@@ -172,7 +169,7 @@ template <int Dim>
 Expected<AnyMaps> merged_sessions(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
   std::vector<Log<Dim>> logs;
   for (const StoredMaps<Dim>& store : stores) logs.push_back(store.log);
-  if (auto once = options.keep_copies ? Expected<void>() : check_no_copies(logs, kLeaveOneOut); !once) {
+  if (auto once = options.keep_copies ? Expected<void>() : check_no_copies(logs); !once) {
     return tl::unexpected(once.error());
   }
   if (auto apart = options.own_features ? number_features_apart(logs) : Expected<void>(); !apart) {
@@ -213,7 +210,7 @@ Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const std::ve
 
 template <int Dim>
 Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const Conventions& conventions, const MergeOptions& options) {
-  if (auto once = options.keep_copies ? Expected<void>() : check_no_copies(sets, kLeaveOneOut); !once) {
+  if (auto once = options.keep_copies ? Expected<void>() : check_no_copies(sets); !once) {
     return tl::unexpected(once.error());
   }
   if (auto apart = options.own_features ? number_features_apart(sets) : Expected<void>(); !apart) {

@@ -70,8 +70,8 @@ tl::unexpected<Error> not_alone(const fs::path& table, const fs::path& missing) 
 
 template <int Dim>
 Expected<AnyLog> with_names_of_run(const fs::path& folder, Log<Dim> log) {
-  const fs::path poses = folder / "poses.csv";
-  const fs::path features = folder / "features.csv";
+  const fs::path poses = folder / kPosesOfRun;
+  const fs::path features = folder / kFeaturesOfRun;
   std::error_code ignored;
   const bool has_poses = fs::is_regular_file(poses, ignored);
   const bool has_features = fs::is_regular_file(features, ignored);

@@ -10,8 +10,10 @@
 
 namespace mapjoin {
 
-/// The name of the map in the folder of a run.
+/// The names of the map in the folder of a run, and of the tables that tell the names in it.
 inline constexpr const char* kMapOfRun = "map.g2o";
+inline constexpr const char* kPosesOfRun = "poses.csv";
+inline constexpr const char* kFeaturesOfRun = "features.csv";
 
 /// True if the folder has a `map.g2o`, as folders of runs do, and no local maps.
 bool is_run_folder(const std::filesystem::path& path);

@@ -11,7 +11,7 @@
 
 namespace mapjoin {
 
-/// Poses and features in one frame; lengths in metres, angles in radians.
+/// Poses and features in one frame; lengths in metres, angles in radians, headings of a joined map in (-π, π].
 template <int Dim>
 struct GlobalMap {
   PoseIds pose_ids;
@@ -26,6 +26,15 @@ struct GlobalMap {
   Table<FeatureIndex, PointMatrix<Dim>> feature_covariances;
   Conventions conventions;
 };
+
+/// Takes whole turns off the headings in the plane, which are then in (-π, π]: how often a robot turned on the way to a pose
+/// depends on the order in which maps were joined.
+template <int Dim>
+void take_off_turns(GlobalMap<Dim>& map) {
+  if constexpr (Dim == 2) {
+    for (Pose<2>& pose : map.poses) pose.rotation = pose.rotation.without_turns();
+  }
+}
 
 /// True if the values of all poses and features are valid.
 template <int Dim>

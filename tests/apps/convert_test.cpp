@@ -102,6 +102,26 @@ TEST_F(ConvertTest, SegmentsThatAreNoLocalMapsAreCounted) {
   }
 }
 
+TEST_F(ConvertTest, ClosuresInsideOfSegmentsAreNamedWhereAnotherCutWouldNotHelp) {
+  std::string text;
+  for (int k = 0; k < 8; ++k) text += "EDGE_SE2 " + std::to_string(k) + ' ' + std::to_string(k + 1) + " 1 0 0 1 0 0 1 0 1\n";
+  for (int k = 2; k < 9; ++k) text += "EDGE_SE2 " + std::to_string(k) + " 0 0 0 0 1 0 0 1 0 1\n";
+  const std::string log = folder.file("log.g2o", text).string();
+  ASSERT_EQ(call({"build", log, "-o", path("maps"), "--poses-per-map", "4"}).exit_code, 0);
+  expect_failure(
+      call({"convert", path("maps"), path("set"), "--to", "maps-text"}), 2,
+      "but observations, since closures lead to poses inside of them: these files have place for the ends of maps only");
+}
+
+TEST_F(ConvertTest, AFolderThatIsThereKeepsItsPermissions) {
+  ASSERT_EQ(call({"build", town, "-o", path("maps"), "--quiet"}).exit_code, 0);
+  std::filesystem::create_directory(path("set"));
+  const auto of_owner = std::filesystem::perms::owner_all;
+  std::filesystem::permissions(path("set"), of_owner);
+  ASSERT_EQ(call({"convert", path("maps"), path("set"), "--to", "maps-text"}).exit_code, 0);
+  EXPECT_EQ(std::filesystem::status(path("set")).permissions(), of_owner);
+}
+
 TEST_F(ConvertTest, TrajectoriesAreTruthInEitherFormat) {
   const std::string truth = kBundledTruth;
   ASSERT_EQ(call({"convert", truth, path("truth.kitti")}).exit_code, 0);

@@ -21,7 +21,8 @@ TEST_F(ReadingOptions, AreRefusedForLocalMapsByEveryCommand) {
   const std::string maps = path("log.maps");
   ASSERT_EQ(call({"build", log, "-o", maps, "--quiet"}).exit_code, 0);
   const std::vector<Words> commands = {{"check", maps}, {"covariance", maps, "0"}, {"convert", maps, path("again.g2o")}};
-  const std::vector<Words> options = {{"--g2o-error", "g2o"}, {"--from", "g2o"}, {"--skip-undeclared"}};
+  const std::vector<Words> options = {
+      {"--g2o-error", "paper"}, {"--g2o-error", "g2o"}, {"--from", "g2o"}, {"--skip-undeclared"}};
   for (const Words& option : options) {
     for (Words words : commands) {
       words.insert(words.end(), option.begin(), option.end());

@@ -285,6 +285,8 @@ TEST_F(SeveralInputs, ACopyIsRefusedWhateverItsName) {
   const Ended ended = call({"join", sets[0], sets[1]});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_THAT(ended.err, HasSubstr(sets[1] + " has the same poses, features and measurements as " + sets[0]));
+  EXPECT_EQ(report_of({"join", sets[0], sets[1], "--keep-copies"})["local_maps"]["count"],
+            2 * report_of({"join", sets[0]})["local_maps"]["count"].get<int>());
 }
 
 TEST_F(SeveralInputs, OneOfThemMayNotBeLocalMaps) {

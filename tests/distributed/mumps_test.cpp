@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <mapjoin/distributed/mpi/mumps.hpp>
 #include <numeric>
+#include <system_error>
 #include <tests/support/random.hpp>
 #include <tests/support/temporary_folder.hpp>
 
@@ -80,6 +81,23 @@ TEST_F(ChainOfMatrices, SaysThatItsFilesCannotBeWritten) {
                                            ": the files of the factor could not be written or read there, as on a full disk; "
                                            "--out-of-core takes a folder with more room");
   }
+}
+
+TEST_F(ChainOfMatrices, SeesBeforeTheWorkWhetherThereIsRoomForItsFiles) {
+  const auto has_no_room = [&](const std::filesystem::path& folder) {
+    Mumps mumps(comm, {folder});
+    mumps.analyse(static_cast<std::size_t>(A.rows()), rows);
+    bool is_refused = false;
+    try {
+      (void)mumps.room_in_files();
+    } catch (const std::system_error&) {
+      is_refused = true;
+    }
+    return comm.any(is_refused);  // a rank may have none of the factor
+  };
+  EXPECT_TRUE(has_no_room("/proc"));
+  EXPECT_FALSE(has_no_room(testing::TemporaryFolder().path()));
+  EXPECT_FALSE(has_no_room(""));
 }
 
 TEST_F(ChainOfMatrices, IsSaidNotToBePositiveDefinite) {

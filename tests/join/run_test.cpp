@@ -6,6 +6,8 @@
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <numbers>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
@@ -260,6 +262,19 @@ TYPED_TEST(RunTest, AFeatureThatOnlyTheWorldMentionsIsWhereItSays) {
     const auto alone = run(without, options);
     EXPECT_NEAR(result->chi2, alone->chi2, 1e-9 * alone->chi2);
     EXPECT_EQ(result->dof, alone->dof);
+  }
+}
+
+TEST(Run, HeadingsAreWithoutTheTurnsOfTheDrive) {
+  LogBuilder<2> builder("circles");
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    builder.add_pose_edge({0, k}, {0, k + 1}, {Point<2>(1.0, 0.0), Rotation<2>(0.5)}, PoseMatrix<2>::Identity());
+  }
+  const auto result = run(std::move(builder).finish().value(), RunOptions());
+  ASSERT_TRUE(result) << result.error().message;
+  const Table<PoseIndex, Pose<2>>& poses = result->map.poses;
+  for (const PoseIndex p : indices(poses)) {
+    EXPECT_NEAR(poses[p].rotation.angle(), std::remainder(0.5 * p.value, 2.0 * std::numbers::pi), 1e-9);
   }
 }
 

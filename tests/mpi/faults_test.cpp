@@ -48,6 +48,17 @@ TEST_F(FaultsOnRanks, NamesAPoseThatIsFixedButNotThere) {
   for (const int ranks : {1, 2}) EXPECT_THAT(call_ranks(ranks, {"run", path("fixed.g2o")}).err, HasSubstr(sentence));
 }
 
+TEST_F(FaultsOnRanks, NamesTheLineThatFixesASecondPoseWithoutAValue) {
+  std::ofstream file(path("fixed.g2o"));
+  file << "FIX 7\n";
+  for (int k = 0; k < 40; ++k) file << "EDGE_SE2 " << k << ' ' << k + 1 << " 1 0 0 1 0 0 1 0 1\n";
+  file << "FIX 7 3\n";
+  file.close();
+  const std::string sentence = "fixed.g2o:42:7: pose 3 is fixed beside pose 7, but nothing says where: ";
+  EXPECT_THAT(call({"run", path("fixed.g2o")}).err, HasSubstr(sentence));
+  for (const int ranks : {1, 2}) EXPECT_THAT(call_ranks(ranks, {"run", path("fixed.g2o")}).err, HasSubstr(sentence));
+}
+
 TEST_F(FaultsOnRanks, NamesTheLineThatFixesWhatIsUndeclaredOrLeavesItOut) {
   const std::string log = path("fixed.g2o");
   ASSERT_EQ(call({"run", bundled("manhattan2d.g2o"), "-o", path("map.g2o"), "--no-verdict"}).exit_code, 0);

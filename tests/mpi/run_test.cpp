@@ -91,6 +91,16 @@ TEST_F(RunOnRanks, WritesTheMapWhoseChi2ItTells) {
   EXPECT_NEAR(log_chi2(read, map.initial).total(), told["chi2"], 1e-9 * told["chi2"].get<double>());
 }
 
+TEST_F(RunOnRanks, HasTheHeadingsOfOneProcess) {
+  const std::string log = bundled("manhattan2d.g2o");
+  ASSERT_EQ(call({"run", log, "-o", path("one.csv")}).exit_code, 0);
+  ASSERT_EQ(call_ranks(2, {"run", log, "-o", path("two.csv")}).exit_code, 0);
+  const auto one = std::get<Log<2>>(open_log(path("one.csv")).value()).initial.poses;
+  const auto two = std::get<Log<2>>(open_log(path("two.csv")).value()).initial.poses;
+  ASSERT_EQ(one.size(), two.size());
+  for (const PoseIndex p : indices(one)) EXPECT_NEAR(one[p].rotation.angle(), two[p].rotation.angle(), 1e-4) << p.value;
+}
+
 TEST_F(RunOnRanks, CountsWhatTheLogHas) {
   const auto one = report_of({"run", bundled("manhattan3d.g2o"), "--no-verdict"});
   const auto four = report_of_ranks(4, {"run", bundled("manhattan3d.g2o")});

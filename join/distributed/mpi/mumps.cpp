@@ -44,6 +44,8 @@ struct Mumps::Instance : DMUMPS_STRUC_C {
   /// Entries of the manual's arrays, which count from 1.
   MUMPS_INT& control(int k) { return icntl[k - 1]; }
   MUMPS_INT info(int k) const { return infog[k - 1]; }
+  MUMPS_INT info_of_rank(int k) const { return DMUMPS_STRUC_C::info[k - 1]; }
+  bool is_out_of_core() { return control(22) == 1; }
 };
 
 Mumps::Mumps(const Communicator& comm, const MumpsOptions& options) : comm_(comm), mumps_(std::make_unique<Instance>()) {
@@ -114,8 +116,14 @@ void Mumps::analyse(std::size_t size, std::span<const std::int32_t> rows) {
 }
 
 double Mumps::megabytes() const {
-  const bool is_out_of_core = mumps_->control(22) == 1;
-  return static_cast<double>(mumps_->info(is_out_of_core ? 26 : 16));
+  return static_cast<double>(mumps_->info(mumps_->is_out_of_core() ? 26 : 16));
+}
+
+FactorValues Mumps::room_in_files() const {
+  if (!mumps_->is_out_of_core()) return {};
+  constexpr std::int64_t kMillion = 1'000'000;
+  const std::int64_t entries = mumps_->info_of_rank(3);  // negative: in millions
+  return FactorValues(static_cast<std::size_t>(entries < 0 ? -entries * kMillion : entries), mumps_->ooc_tmpdir);
 }
 
 bool Mumps::factorise(std::span<double> lower) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mapjoin/distributed/mpi/communicator.hpp>
+#include <mapjoin/solve/engines/factor_values.hpp>
 #include <memory>
 #include <span>
 #include <vector>
@@ -31,6 +32,9 @@ class Mumps {
   void analyse(std::size_t size, std::span<const std::int32_t> rows);
   /// Memory to factorise A (10⁶ bytes) on the rank that needs most, once analysed.
   double megabytes() const;
+  /// Allocates as much disk space as this rank's part of the factor takes there, once analysed: MUMPS may wait for ever if the
+  /// disk fills while it works. Throws std::system_error if there is too little. Empty if the factor stays in memory.
+  FactorValues room_in_files() const;
   /// Factorises A, given the values of A_r. False if A is not positive definite.
   bool factorise(std::span<double> lower);
   /// Replaces b, which is the same on all ranks, by A⁻¹ b.

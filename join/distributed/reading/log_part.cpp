@@ -132,15 +132,19 @@ Expected<std::optional<AnyLog>> log_of(const TextPart& part, const std::string& 
   });
 }
 
-/// kBadInput, with its place, if a FIX line of this rank, not left out, names no pose of the log.
+/// kBadInput, with its place, if a FIX line of this rank, not left out, names no pose of the log or, in a file without
+/// vertices, which give them values, a second one.
 template <int Dim>
-Expected<void> check_fixed(const TextPart& part, const LogPart<Dim>& whole) {
+Expected<void> check_fixed(const TextPart& part, const LogPart<Dim>& whole, bool has_vertices) {
   const auto is_unknown = [&](std::uint64_t key) { return !find_ascending(whole.poses, PoseId{0, key}); };
-  if (std::ranges::none_of(part.fixed, is_unknown)) return {};
+  const auto is_second = [&](std::uint64_t key) { return !has_vertices && key != part.first_fixed; };
+  if (std::ranges::none_of(part.fixed, [&](std::uint64_t key) { return is_unknown(key) || is_second(key); })) return {};
   const TextScanner text(whole.source, part.text, part.lines_before);
   for (const auto& [key, place] : fixed_names(text)) {
-    const bool is_kept = std::ranges::binary_search(part.fixed, key);
-    if (is_kept && is_unknown(key)) return text.error(place, fixed_without_pose(PoseId{0, key}));
+    if (!std::ranges::binary_search(part.fixed, key)) continue;
+    const PoseId id{0, key};
+    if (is_unknown(key)) return text.error(place, fixed_without_pose(id));
+    if (is_second(key)) return text.error(place, fixed_nowhere(id, PoseId{0, *part.first_fixed}));
   }
   return {};  // another rank has the line
 }
@@ -201,7 +205,7 @@ Expected<AnyLogPart> log_part(const Communicator& comm, TextPart& part, Log<Dim>
   whole.poses = names_of_all(comm, std::move(whole.poses));
   whole.features = names_of_all(comm, std::move(whole.features));
   whole.graph = renumbered(log, whole);
-  if (const auto known = comm.agree(check_fixed(part, whole)); !known) return tl::unexpected(known.error());
+  if (const auto known = comm.agree(check_fixed(part, whole, has_vertices)); !known) return tl::unexpected(known.error());
   auto fixed = fixed_poses(comm, part, whole, poses_to_fix(comm, part, whole, has_vertices), options);
   if (!fixed) return tl::unexpected(fixed.error());
   whole.graph.fixed = *std::move(fixed);

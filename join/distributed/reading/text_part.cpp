@@ -124,10 +124,11 @@ std::string TextPart::vertices_of(const std::vector<std::uint64_t>& poses) const
 Expected<TextPart> read_text_part(const Communicator& comm, const std::filesystem::path& path) {
   auto bytes = comm.agree(plain_g2o(path));
   if (!bytes) return tl::unexpected(bytes.error());
-  TextPart part{*std::move(bytes), {}, 0, false, {}, {}, {}, {}};
+  TextPart part{*std::move(bytes), {}, 0, false, {}, {}, {}, {}, {}};
   part.text = range_of(part.bytes.view(), comm.rank(), comm.size());
   const SaidOfAll mine = scan(part);
   part.fixed = comm.gather(mine.fixed);
+  if (!part.fixed.empty()) part.first_fixed = part.fixed.front();
   make_distinct(part.fixed);
   const std::vector<std::uint64_t> lines = comm.gather(std::vector{mine.lines});
   const std::vector<std::string> parameters = comm.gather(mine.parameters);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <mapjoin/distributed/mpi/communicator.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,7 @@ struct TextPart {
   std::vector<std::uint64_t> declared_poses;     ///< Ids of the pose vertices of this rank, in the order of its lines.
   std::vector<std::uint64_t> declared_features;  ///< Ids of the feature vertices of this rank, in the order of its lines.
   std::vector<std::uint64_t> fixed;              ///< Ids in the FIX lines of all ranks, ascending, each once.
+  std::optional<std::uint64_t> first_fixed;      ///< The first id in them.
   std::string parameters;                        ///< The PARAMS lines of the other ranks.
 
   /// The vertex lines of some poses, given by ascending ids, in the text of this rank, verbatim.

@@ -13,9 +13,11 @@ RegionSolver::RegionSolver(const Communicator& comm, const OuterUnknowns& outer,
       is_in_file_(!options.out_of_core.empty()) {}
 
 Expected<void> RegionSolver::make_room() {
+  FactorValues of_mumps;  // until every rank has seen that there is room for all
   const auto made = [&]() -> Expected<void> {
     try {
       cholesky_.make_room();
+      if (outer_.size > 0) of_mumps = mumps_->room_in_files();
       return {};
     } catch (const std::system_error& failure) {
       return tl::unexpected(Error{ErrorKind::kCannotWrite, failure.what()});

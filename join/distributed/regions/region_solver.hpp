@@ -31,8 +31,8 @@ class RegionSolver final : public SparseSolver {
   std::size_t supernode_count() const override { return cholesky_.supernode_count(); }
   std::int64_t bytes() const override { return cholesky_.bytes(); }
 
-  /// Makes room for the factor of what this rank eliminates alone, once analysed. kCannotWrite, the same on all ranks, if its
-  /// file cannot be made.
+  /// Makes room for the factor of what this rank eliminates alone, once analysed, and sees that there is room for its part of
+  /// the factor of what ranks share. kCannotWrite, the same on all ranks, if a file cannot be made.
   Expected<void> make_room();
   /// The part of bytes() that is in memory.
   std::int64_t bytes_in_memory() const { return is_in_file_ ? 0 : bytes(); }

@@ -38,9 +38,12 @@ using MatVariables = std::map<std::string, Eigen::MatrixXd, std::less<>>;
 /// for a sparse one beyond these bounds.
 Expected<MatVariables> read_mat(std::string_view bytes, const std::string& file, std::initializer_list<std::string_view> names);
 
-/// The bytes of a MAT file with these variables, in their order; the same bytes on every machine and at any time. Throws
-/// std::length_error if a variable takes 2 GiB or more, a size that the format has no number for.
-std::string mat_bytes(const std::vector<std::pair<std::string, Eigen::MatrixXd>>& variables);
+/// A variable to be written, by its name.
+using MatVariable = std::pair<std::string, Eigen::MatrixXd>;
+
+/// The bytes of a MAT file with these variables, in their order; the same bytes on every machine and at any time. kTooLarge,
+/// beginning with `file`, if a variable takes 2 GiB or more, a size that the format has no number for.
+Expected<std::string> mat_bytes(const std::vector<MatVariable>& variables, const std::string& file);
 
 /// The end of the ids that doubles hold: every integer below it is a double to which no other integer rounds.
 inline constexpr double kDoubleIdEnd = 9007199254740992.0;  // 2⁵³

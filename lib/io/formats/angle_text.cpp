@@ -9,6 +9,10 @@ namespace {
 
 constexpr double kLeastCosine = 1e-6;
 
+bool is_right_angle(double pitch) {
+  return std::abs(std::cos(pitch)) < kLeastCosine;
+}
+
 /// ∂(x, y, z, roll, pitch, yaw)/∂step.
 Matrix<6> J_numbers_step(double roll, double pitch, double yaw) {
   Matrix<6> J = Matrix<6>::Identity();
@@ -16,40 +20,61 @@ Matrix<6> J_numbers_step(double roll, double pitch, double yaw) {
   return J;
 }
 
-}  // namespace
-
-template <>
-std::pair<Pose<2>, PoseMatrix<2>> read_pose_angles(TextScanner& text) {
-  return {read_g2o_pose<2>(text), PoseMatrix<2>::Identity()};
-}
-
-template <>
-std::pair<Pose<3>, PoseMatrix<3>> read_pose_angles(TextScanner& text) {
+/// Reads a pose in space, and its roll, pitch and yaw. With weights of these a pitch of a right angle is rejected: there roll
+/// and yaw are one rotation.
+std::pair<Pose<3>, Vector<3>> read_pose_in_space(TextScanner& text, bool is_weighed) {
   const Vector<3> translation = text.vector<3>();
   const double roll = text.number();
   double pitch = text.number();
-  if (std::abs(std::cos(pitch)) < kLeastCosine) {
-    text.reject("at a pitch of a right angle roll and yaw are not told apart");
+  if (is_weighed && is_right_angle(pitch)) {
+    text.reject("at a pitch of a right angle weights of roll and yaw say nothing; g2o files weigh the rotation vector");
     pitch = 0.0;
   }
   const double yaw = text.number();
   const Rotation<3> rotation(rotation_from_euler(roll, pitch, yaw).quaternion().normalized());
-  return {{translation, rotation}, J_numbers_step(roll, pitch, yaw)};
+  return {{translation, rotation}, {roll, pitch, yaw}};
 }
+
+/// Reads the next numbers of the line as a pose.
+template <int Dim>
+Pose<Dim> read_pose_angles(TextScanner& text) {
+  if constexpr (Dim == 2) {
+    return read_g2o_pose<2>(text);
+  } else {
+    return read_pose_in_space(text, false).first;
+  }
+}
+
+/// Reads the next numbers of the line as a pose with weights, and J = ∂numbers/∂step.
+template <int Dim>
+std::pair<Pose<Dim>, PoseMatrix<Dim>> read_weighed_angles(TextScanner& text) {
+  if constexpr (Dim == 2) {
+    return {read_g2o_pose<2>(text), PoseMatrix<2>::Identity()};
+  } else {
+    const auto [pose, angles] = read_pose_in_space(text, true);
+    return {pose, J_numbers_step(angles[0], angles[1], angles[2])};
+  }
+}
+
+PoseVector<2> numbers_of(const Pose<2>& pose) {
+  return {pose.translation.x(), pose.translation.y(), pose.rotation.angle()};
+}
+PoseVector<3> numbers_of(const Pose<3>& pose) {
+  return (PoseVector<3>() << pose.translation, euler_from_rotation(pose.rotation)).finished();
+}
+
+}  // namespace
 
 template <>
 std::optional<PoseAngles<2>> pose_angles(const Pose<2>& pose) {
-  return PoseAngles<2>{{pose.translation.x(), pose.translation.y(), pose.rotation.angle()}, PoseMatrix<2>::Identity()};
+  return PoseAngles<2>{numbers_of(pose), PoseMatrix<2>::Identity()};
 }
 
 template <>
 std::optional<PoseAngles<3>> pose_angles(const Pose<3>& pose) {
-  const Vector<3> angles = euler_from_rotation(pose.rotation);
-  if (std::abs(std::cos(angles[1])) < kLeastCosine) return std::nullopt;
-  PoseAngles<3> as_angles;
-  as_angles.numbers << pose.translation, angles;
-  as_angles.J_numbers_step = J_numbers_step(angles[0], angles[1], angles[2]);
-  return as_angles;
+  const PoseVector<3> numbers = numbers_of(pose);
+  if (is_right_angle(numbers[4])) return std::nullopt;
+  return PoseAngles<3>{numbers, J_numbers_step(numbers[3], numbers[4], numbers[5])};
 }
 
 namespace {
@@ -95,18 +120,13 @@ PoseMatrix<Dim> turned(const PoseMatrix<Dim>& W, const PoseMatrix<Dim>& J) {
 
 template <int Dim>
 MeasuredPose<Dim> read_toro_edge(TextScanner& text, const TextContext& context) {
-  const auto [measured, J] = read_pose_angles<Dim>(text);
+  const auto [measured, J] = read_weighed_angles<Dim>(text);
   return {measured, turned<Dim>(read_toro_weights<Dim>(text, context), J)};
 }
 
+/// Puts a pose with weights on the line, and gives J = ∂step/∂numbers; a fault at a pitch of a right angle.
 template <int Dim>
-Pose<Dim> read_toro_vertex(TextScanner& text) {
-  return read_pose_angles<Dim>(text).first;
-}
-
-/// Puts a pose on the line, and gives J = ∂step/∂numbers; a fault at a pitch of a right angle.
-template <int Dim>
-Fault put_pose_angles(const Pose<Dim>& pose, TextLine& line, PoseMatrix<Dim>& J) {
+Fault put_weighed_angles(const Pose<Dim>& pose, TextLine& line, PoseMatrix<Dim>& J) {
   const auto angles = pose_angles(pose);
   if (!angles) return kRightAnglePitch;
   line.template add<kPoseDof<Dim>>(angles->numbers);
@@ -117,15 +137,15 @@ Fault put_pose_angles(const Pose<Dim>& pose, TextLine& line, PoseMatrix<Dim>& J)
 template <int Dim>
 Fault put_toro_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
   PoseMatrix<Dim> J;
-  const Fault fault = put_pose_angles(edge.measured, line, J);
+  const Fault fault = put_weighed_angles(edge.measured, line, J);
   if (!fault) put_weights<Dim>(turned<Dim>(edge.information, J), line);
   return fault;
 }
 
 template <int Dim>
 Fault put_toro_vertex(const Pose<Dim>& pose, TextLine& line) {
-  PoseMatrix<Dim> ignored;
-  return put_pose_angles(pose, line, ignored);
+  line.add<kPoseDof<Dim>>(numbers_of(pose));
+  return std::nullopt;
 }
 
 /// True for the tags of equivalences of poses and of GTSAM's bearings and ranges.
@@ -143,7 +163,7 @@ constexpr EdgeText<Dim> kToro{
     .weights = Weights::kAngles,
     .is_passed_over = is_without_place_in_toro,
     .read_edge = read_toro_edge<Dim>,
-    .read_pose = read_toro_vertex<Dim>,
+    .read_pose = read_pose_angles<Dim>,
     .put_edge = put_toro_edge<Dim>,
     .put_pose = put_toro_vertex<Dim>,
 };
@@ -189,7 +209,7 @@ Matrix<Size> square_root(Matrix<Size> W) {
 
 template <int Dim>
 MeasuredPose<Dim> read_isam_edge(TextScanner& text, const TextContext& context) {
-  const auto [measured, J] = read_pose_angles<Dim>(text);
+  const auto [measured, J] = read_weighed_angles<Dim>(text);
   const PoseMatrix<Dim> S = read_square_root<kPoseDof<Dim>>(text, context);
   if constexpr (Dim == 2) {
     if (!context.options.from && are_rather_toro(S)) {
@@ -211,7 +231,7 @@ MeasuredPoint<Dim> read_isam_point(TextScanner& text, const TextContext& context
 template <int Dim>
 Fault put_isam_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
   PoseMatrix<Dim> J;
-  const Fault fault = put_pose_angles(edge.measured, line, J);
+  const Fault fault = put_weighed_angles(edge.measured, line, J);
   if (!fault) line.template add_symmetric<kPoseDof<Dim>>(square_root<kPoseDof<Dim>>(J.transpose() * edge.information * J));
   return fault;
 }

@@ -14,23 +14,18 @@ struct PoseAngles {
   PoseMatrix<Dim> J_numbers_step;
 };
 
-/// Reads the next numbers of the line as a pose, with J = ∂numbers/∂step. A pitch of a right angle, where roll and yaw are not
-/// told apart, is rejected.
-template <int Dim>
-std::pair<Pose<Dim>, PoseMatrix<Dim>> read_pose_angles(TextScanner& text);
-
-/// The pose as numbers; nullopt at a pitch of a right angle.
+/// The pose as numbers; nullopt at a pitch of a right angle, where roll and yaw are one rotation, and J is infinite.
 template <int Dim>
 std::optional<PoseAngles<Dim>> pose_angles(const Pose<Dim>& pose);
 
-inline constexpr const char* kRightAnglePitch = "has a pitch of a right angle";
+inline constexpr const char* kRightAnglePitch = "has weights at a pitch of a right angle";
 
 /// Pose graphs in TORO's format, files of lines
 /// - `VERTEX2 i x y φ`, `EDGE2 i j dx dy dφ Wxx Wxy Wyy Wφφ Wxφ Wyφ` (mind the order), or
 /// - `VERTEX3 i x y z roll pitch yaw`, `EDGE3 i j dx dy dz roll pitch yaw` and the upper triangle of W, row by row, over these
 /// numbers; R = Rz(yaw) Ry(pitch) Rx(roll).
-/// W is an information matrix; that of the three angles is turned to the rotation vector at the measurement. Poses must have
-/// values; the format has no place for features and observations.
+/// W is an information matrix; that of the three angles is turned to the rotation vector at the measurement, which cannot be at
+/// a pitch of a right angle. Poses must have values; the format has no place for features and observations.
 extern const EdgeText<2> kToroPlane;
 extern const EdgeText<3> kToroSpace;
 

@@ -61,7 +61,7 @@ Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::p
   for (const FeatureIndex f : indices(map.features)) {
     features.row(f.value) << static_cast<double>(map.feature_ids[f].key), map.features[f].transpose();
   }
-  std::vector<std::pair<std::string, Eigen::MatrixXd>> variables = {{"poses", poses}, {"features", features}};
+  std::vector<MatVariable> variables = {{"poses", poses}, {"features", features}};
   if (!map.stamps_ns.empty()) {
     Eigen::VectorXd stamps(poses.rows());
     for (const PoseIndex p : indices(map.stamps_ns)) stamps[p.value] = in_seconds(map.stamps_ns[p]);
@@ -71,7 +71,7 @@ Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::p
     variables.emplace_back("pose_covariances", triangles(map.pose_covariances));
     variables.emplace_back("feature_covariances", triangles(map.feature_covariances));
   }
-  return write_file(path, mat_bytes(variables));
+  return mat_bytes(variables, path.string()).and_then([&](const std::string& bytes) { return write_file(path, bytes); });
 }
 
 template Expected<void> write_mat_map(const GlobalMap<2>&, const std::filesystem::path&);

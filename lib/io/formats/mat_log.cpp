@@ -162,7 +162,9 @@ Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& pat
     const auto fault = put_row<2>(kObservation, pose(base), feature, measured, W, table.row(row++));
     if (fault) return cannot(name_of(log.poses[base], log.features[target]), *fault);
   }
-  return write_file(path, mat_bytes({{kVictoriaPark, table}}));
+  return mat_bytes({{kVictoriaPark, table}}, path.string()).and_then([&](const std::string& bytes) {
+    return write_file(path, bytes);
+  });
 }
 
 }  // namespace mapjoin

@@ -23,7 +23,7 @@ namespace mapjoin {
 Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, const ReadOptions& options = {});
 
 /// Writes the variable `VicPark_clean_data` with the log's edges, then its observations. kUsage if an information matrix is
-/// singular, or an id is 2^53 or more; kCannotWrite.
+/// singular, or an id is 2^53 or more; kTooLarge if the variable takes 2 GiB or more; kCannotWrite.
 Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& path);
 
 /// kUsage if a double does not hold one of these ids, which is 2⁵³ or more: write_mat_map() refuses them.
@@ -31,8 +31,8 @@ Expected<void> check_mat_ids(const PoseIds& poses, const FeatureIds& features);
 
 /// Writes a global map: `poses`, one row each: session, id, x, y, phi, or x, y, z, qx, qy, qz, qw (m, rad); `features`: id, x,
 /// y(, z); if the map has them, `stamps` (s) and, upper triangles row by row as in write_csv(), `pose_covariances`,
-/// `feature_covariances`. kUsage if an id is 2⁵³ or more, which a double does not hold; kCannotWrite, and then no file appears.
-/// Throws std::invalid_argument if the map is not whole (see demand_whole).
+/// `feature_covariances`. kUsage if an id is 2⁵³ or more, which a double does not hold; kTooLarge if a variable takes 2 GiB or
+/// more; kCannotWrite, and then no file appears. Throws std::invalid_argument if the map is not whole (see demand_whole).
 template <int Dim>
 Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 

@@ -36,8 +36,8 @@ enum class LocalMapFormat {
 /// pose k-1 to pose k, whatever these were called. Planar maps as text read back (see read_local_map_set()) as the same bits;
 /// covariances are inverses, and in space angles and their weights are rounded. kUsage if the maps are not a chain, each from
 /// the end pose of the one before it to one pose; if a feature's id is 2^53 or more; if a covariance does not exist; if a map
-/// does not move, except in planar MAT files; at a pitch of a right angle. kCannotWrite, after which some of the files may be
-/// there.
+/// does not move, except in planar MAT files; at a pitch of a right angle. kTooLarge for a matrix of 2 GiB or more in a MAT
+/// file. kCannotWrite, after which some of the files may be there.
 template <int Dim>
 Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<Dim>>& maps, const FeatureIds& features,
                                                     LocalMapFormat format, const std::filesystem::path& folder);

@@ -80,22 +80,22 @@ Expected<void> write_text(const Rows& rows, const std::filesystem::path& path) {
   return file->commit_unsynced();
 }
 
-/// The bytes of a MAT file: in the plane with a covariance, zero for an end pose that is the start pose; in space with an
+/// The variables of a MAT file: in the plane with a covariance, zero for an end pose that is the start pose; in space with an
 /// information matrix. Nullopt if the covariance does not exist.
 template <int Dim>
-std::optional<std::string> mat_of(const Rows& rows) {
+std::optional<std::vector<MatVariable>> mat_of(const Rows& rows) {
   const Eigen::Index n = rows.values.size();
   Eigen::MatrixXd state(n, 2);
   state << rows.ids, rows.values;
   if (Dim == 3) {
     const Eigen::MatrixXd start = Eigen::MatrixXd::Constant(1, 1, static_cast<double>(rows.number - 1));
-    return mat_bytes({{"st", state}, {"I", rows.information}, {"Ref", start}});
+    return std::vector<MatVariable>{{"st", state}, {"I", rows.information}, {"Ref", start}};
   }
   Eigen::MatrixXd covariance;
   if (covariance_of<Eigen::Dynamic>(rows.information, covariance)) return std::nullopt;
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(n, n);
   P.bottomRightCorner(covariance.rows(), covariance.cols()) = covariance;
-  return mat_bytes({{"localmap_st", state}, {"localmap_P", P}});
+  return std::vector<MatVariable>{{"localmap_st", state}, {"localmap_P", P}};
 }
 
 }  // namespace
@@ -120,9 +120,12 @@ Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<D
     if (is_text) {
       if (auto written = write_text(rows, path); !written) return tl::unexpected(written.error());
     } else {
-      const auto bytes = mat_of<Dim>(rows);
-      if (!bytes) return refused("has a singular information matrix, and so no covariance");
-      if (auto written = write_file_unsynced(path, *bytes); !written) return tl::unexpected(written.error());
+      const auto variables = mat_of<Dim>(rows);
+      if (!variables) return refused("has a singular information matrix, and so no covariance");
+      const auto written = mat_bytes(*variables, path.string()).and_then([&](const std::string& bytes) {
+        return write_file_unsynced(path, bytes);
+      });
+      if (!written) return tl::unexpected(written.error());
     }
   }
   return names;

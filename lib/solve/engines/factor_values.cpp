@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <mapjoin/solve/engines/factor_values.hpp>
+#include <mapjoin/solve/memory_limit.hpp>
 #include <string>
 #include <system_error>
 
@@ -17,7 +18,7 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& folder, std::size_t bytes, int reason) {
   throw std::system_error(
       reason, std::generic_category(),
-      fmt::format("{}: no room for a file of {:.0f} MB", folder.string(), static_cast<double>(bytes) / 1e6));
+      fmt::format("{}: no room for a file of {}", folder.string(), in_megabytes(static_cast<std::int64_t>(bytes))));
 }
 
 /// Maps a new file without a name, with disk space allocated for all its bytes.

@@ -157,6 +157,18 @@ TEST_F(Plot, SaysOfHowManyPosesTheTruthIs) {
   EXPECT_EQ(ended.err, "mapjoin: " + truth + ": has 3 of the 4 poses of the first map, and is drawn at no others\n");
 }
 
+TEST_F(Plot, LeavesOutOfMapAndTruthWhatItIsTold) {
+  const std::string map = folder.file("map.g2o", "VERTEX_SE2 0 0 0 0\nSCAN 1\nVERTEX_SE2 1 1 0 0\n").string();
+  const std::string truth = folder.file("truth.g2o", "VERTEX_SE2 0 0 0 0\nIMAGE 1\nVERTEX_SE2 1 1 0 0\n").string();
+  const std::vector<std::string> words = {"plot", map, "--truth", truth, "-o", path("plot.svg"), "--skip-unknown"};
+  const Ended ended = call(words);
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_EQ(ended.err, "mapjoin: " + map + ": left out: SCAN lines (1)\n");
+  const std::string sound = folder.file("sound.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n").string();
+  EXPECT_EQ(call({"plot", sound, "--truth", truth, "-o", path("plot.svg")}).err,
+            "mapjoin: " + truth + ":2:1: unknown tag 'IMAGE'; --skip-unknown leaves such lines out\n");
+}
+
 TEST_F(Plot, RefusesATruthOfNothingInTheMap) {
   const std::string map = folder.file("map.csv", "pose,x,y,phi\n1,0,0,0\n2,1,0,0\n").string();
   const std::string truth = folder.file("truth.csv", "pose,x,y,phi\n7,0,0,0\n8,1,0,0\n").string();

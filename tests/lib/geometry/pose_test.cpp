@@ -107,5 +107,14 @@ TEST(RotationTest, HeadingsWrapToHalfATurnEitherWay) {
   EXPECT_DOUBLE_EQ(wrap_angle(1.25), 1.25);
 }
 
+TEST(RotationTest, WithoutTurnsIsTheSameWithOneHeadingOfAll) {
+  for (const double turns : {-2.0, 0.0, 1.0}) {
+    const Rotation<2> turned(2.5 + 2.0 * turns * std::numbers::pi);
+    EXPECT_NEAR(turned.without_turns().angle(), 2.5, 1e-14);
+    EXPECT_EQ(turned.without_turns().matrix(), turned.matrix());
+  }
+  EXPECT_EQ(Rotation<2>(-std::numbers::pi).without_turns().angle(), std::numbers::pi);
+}
+
 }  // namespace
 }  // namespace mapjoin
