@@ -9,6 +9,9 @@
 namespace mapjoin {
 namespace {
 
+/// The number of contradicted closures that tell how many wrong ones fit by chance.
+constexpr std::size_t kMostOfChance = 256;
+
 template <int Dim>
 double squared_distance(const UncertainPose<Dim>& mismatch) {
   const PoseVector<Dim> v = local(Pose<Dim>{}, mismatch.mean);
@@ -22,21 +25,66 @@ Pose<Dim> turned_forward(const PoseFactor<Dim>& closure, const Pose<Dim>& relati
   return closure.base < closure.target ? relative : inverse(relative);
 }
 
-/// The number of measured relative poses, turned forward, that would pass the gate in the place of a closure whose mismatch has
-/// this covariance; at most `most`, and `most` if the covariance is singular.
+/// The closures beyond the widest gate: what they measured may be wrong, and might have been measured elsewhere.
 template <int Dim>
-std::size_t count_fitting(const std::vector<Pose<Dim>>& measured, const PoseFactor<Dim>& closure, const Values<Dim>& values,
-                          const PoseMatrix<Dim>& covariance, double gate, std::size_t most) {
-  const Eigen::LLT<PoseMatrix<Dim>> factor(covariance);
-  if (factor.info() != Eigen::Success) return most;  // what would fit is unknown
-  std::size_t count = 0;
-  for (auto other = measured.begin(); other != measured.end() && count < most; ++other) {
-    const Pose<Dim> along = turned_forward(closure, *other);
-    const PoseVector<Dim> v = residual<Dim>(along, values.poses[closure.base], values.poses[closure.target]);
-    if (v.dot(factor.solve(v)) < gate) ++count;
+class Contradicted {
+ public:
+  Contradicted(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures, double widest)
+      : judgement_(judgement), closures_(closures), gate_(widest) {
+    for (std::size_t k = 0; k < closures.size(); ++k) {
+      if (judgement.chi2[k] >= widest) contradicted_.push_back(k);
+    }
   }
-  return count;
-}
+
+  /// The number of contradicted measurements that would pass the gate in the place of a closure; at most `most`, and `most` if
+  /// the covariance of its mismatch is singular, as then nobody knows.
+  std::size_t count_fitting(std::size_t place, std::size_t most) const {
+    return count_fitting(place, std::span(contradicted_), most);
+  }
+
+  /// The number of wrong closures to be expected within the gate by chance: the share of contradicted measurements that would
+  /// pass in the places of other contradicted ones, among some of both, times the number of them. Not zero, however few these
+  /// are: one pair more is taken to fit.
+  double expected_by_chance() const {
+    const std::vector<std::size_t> some = evenly_spaced();
+    std::size_t fitting = 1;
+    for (const std::size_t place : some) {
+      std::vector<std::size_t> others = some;
+      std::erase(others, place);
+      fitting += count_fitting(place, others, others.size());
+    }
+    const auto pairs = static_cast<double>(some.size() * (some.size() - 1) + 1);
+    return static_cast<double>(contradicted_.size() * fitting) / pairs;
+  }
+
+ private:
+  std::size_t count_fitting(std::size_t place, std::span<const std::size_t> measured, std::size_t most) const {
+    const Eigen::LLT<PoseMatrix<Dim>> covariance(judgement_.mismatches[place].covariance);
+    if (!measured.empty() && covariance.info() != Eigen::Success) return most;
+    const PoseFactor<Dim>& closure = closures_[place];
+    const auto& poses = judgement_.values.poses;
+    std::size_t count = 0;
+    for (auto other = measured.begin(); other != measured.end() && count < most; ++other) {
+      const Pose<Dim> along = turned_forward(closure, turned_forward(closures_[*other], closures_[*other].measured));
+      const PoseVector<Dim> v = residual<Dim>(along, poses[closure.base], poses[closure.target]);
+      if (v.dot(covariance.solve(v)) < gate_) ++count;
+    }
+    return count;
+  }
+
+  /// At most kMostOfChance of the contradicted closures, evenly spaced.
+  std::vector<std::size_t> evenly_spaced() const {
+    const std::size_t apart = (contradicted_.size() + kMostOfChance - 1) / kMostOfChance;
+    std::vector<std::size_t> some;
+    for (std::size_t k = 0; k < contradicted_.size(); k += apart) some.push_back(contradicted_[k]);
+    return some;
+  }
+
+  const ClosureJudgement<Dim>& judgement_;
+  std::span<const PoseFactor<Dim>> closures_;
+  double gate_;
+  std::vector<std::size_t> contradicted_;
+};
 
 }  // namespace
 
@@ -73,27 +121,23 @@ template <int Dim>
 std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures,
                                      const Gates& gates) {
   const std::vector<double>& chi2 = judgement.chi2;
-  std::vector<Pose<Dim>> contradicted;
-  for (std::size_t k = 0; k < closures.size(); ++k) {
-    if (chi2[k] >= gates.widest.closures) contradicted.push_back(turned_forward(closures[k], closures[k].measured));
-  }
-  const auto fitting = [&](std::size_t k, std::size_t most) {
-    if (contradicted.empty()) return std::size_t{0};
-    return count_fitting(contradicted, closures[k], judgement.values, judgement.mismatches[k].covariance, gates.widest.closures,
-                         most);
-  };
+  const Contradicted<Dim> contradicted(judgement, closures, gates.widest.closures);
   std::vector<bool> fits(closures.size());
   std::vector<std::size_t> open;  // between the gates, and not kept
-  std::size_t right = 0;          // number between the gates that are taken as right
+  std::size_t between = 0;
+  std::size_t right = 0;  // number between the gates that are taken as right
   for (std::size_t k = 0; k < closures.size(); ++k) {
     const bool is_kept = judgement.standing[k] == Standing::kKept;
     fits[k] = is_kept || chi2[k] < gates.narrow().closures;
     if (chi2[k] < gates.narrow().closures || chi2[k] >= gates.widest.closures) continue;
-    if (is_kept || fitting(k, 1) == 0) ++right;
+    ++between;
+    if (is_kept || contradicted.count_fitting(k, 1) == 0) ++right;
     if (!is_kept) open.push_back(k);
   }
+  if (open.empty()) return fits;
+  const bool are_hardly_wrong = contradicted.expected_by_chance() < (1.0 - gates.confidence) * static_cast<double>(between);
   const std::size_t most = std::max<std::size_t>(1, right);
-  for (const std::size_t k : open) fits[k] = fitting(k, most) < most;
+  for (const std::size_t k : open) fits[k] = are_hardly_wrong || contradicted.count_fitting(k, most) < most;
   return fits;
 }
 

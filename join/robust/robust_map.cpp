@@ -57,6 +57,7 @@ class Settler {
   /// remain, until all are within it. True if any were dropped.
   bool drop_misfits() {
     bool any = join_.drop_observations(gates_.now().observations);
+    if (gates_.last) return join_.drop_farthest_closure(gates_.last->closures) || any;
     while (join_.drop_closures(gates_.now().closures)) {
       any = true;
       gates_.scale.closures = scale_of_closures();
