@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/predictions.hpp>
@@ -9,8 +10,8 @@
 namespace mapjoin {
 namespace {
 
-/// The number of contradicted closures that tell how many wrong ones fit by chance.
-constexpr std::size_t kMostOfChance = 256;
+/// The number of contradicted closures that tell how often wrong ones fit by chance.
+constexpr std::size_t kMostSampled = 256;
 
 template <int Dim>
 double squared_distance(const UncertainPose<Dim>& mismatch) {
@@ -32,33 +33,29 @@ class Contradicted {
   Contradicted(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures, double widest)
       : judgement_(judgement), closures_(closures), gate_(widest) {
     for (std::size_t k = 0; k < closures.size(); ++k) {
-      if (judgement.chi2[k] >= widest) contradicted_.push_back(k);
+      if (judgement.chi2[k] >= widest) all_.push_back(k);
     }
+    const std::size_t apart = (all_.size() + kMostSampled - 1) / kMostSampled;
+    for (std::size_t k = 0; k < all_.size(); k += apart) sample_.push_back(all_[k]);
   }
 
-  /// The number of contradicted measurements that would pass the gate in the place of a closure; at most `most`, and `most` if
-  /// the covariance of its mismatch is singular, as then nobody knows.
-  std::size_t count_fitting(std::size_t place, std::size_t most) const {
-    return count_fitting(place, std::span(contradicted_), most);
-  }
+  /// The number of contradicted measurements that would pass the gate in the place of a closure; at most `most`.
+  std::size_t count_fitting(std::size_t place, std::size_t most) const { return count_fitting(place, all_, most); }
+  /// The same among those of a sample, without the closure's own.
+  double count_sampled(std::size_t place) const { return static_cast<double>(count_fitting(place, sample_, sample_.size())); }
 
-  /// The number of wrong closures to be expected within the gate by chance: the share of contradicted measurements that would
-  /// pass in the places of other contradicted ones, among some of both, times the number of them. Not zero, however few these
-  /// are: one pair more is taken to fit.
+  /// The number of wrong closures that pass the gate by chance, as far as can be expected by how many of a sample would pass in
+  /// the places of others; one more is taken to, as there may be few of them.
   double expected_by_chance() const {
-    const std::vector<std::size_t> some = evenly_spaced();
-    std::size_t fitting = 1;
-    for (const std::size_t place : some) {
-      std::vector<std::size_t> others = some;
-      std::erase(others, place);
-      fitting += count_fitting(place, others, others.size());
-    }
-    const auto pairs = static_cast<double>(some.size() * (some.size() - 1) + 1);
-    return static_cast<double>(contradicted_.size() * fitting) / pairs;
+    double fitting = 1.0;
+    for (const std::size_t place : sample_) fitting += count_sampled(place);
+    const auto sampled = static_cast<double>(sample_.size());
+    return static_cast<double>(all_.size()) * fitting / (1.0 + sampled * std::max(0.0, sampled - 1.0));
   }
 
  private:
-  std::size_t count_fitting(std::size_t place, std::span<const std::size_t> measured, std::size_t most) const {
+  /// `most` if the covariance of the mismatch is singular, as then nobody knows.
+  std::size_t count_fitting(std::size_t place, const std::vector<std::size_t>& measured, std::size_t most) const {
     const Eigen::LLT<PoseMatrix<Dim>> covariance(judgement_.mismatches[place].covariance);
     if (!measured.empty() && covariance.info() != Eigen::Success) return most;
     const PoseFactor<Dim>& closure = closures_[place];
@@ -67,23 +64,16 @@ class Contradicted {
     for (auto other = measured.begin(); other != measured.end() && count < most; ++other) {
       const Pose<Dim> along = turned_forward(closure, turned_forward(closures_[*other], closures_[*other].measured));
       const PoseVector<Dim> v = residual<Dim>(along, poses[closure.base], poses[closure.target]);
-      if (v.dot(covariance.solve(v)) < gate_) ++count;
+      if (*other != place && v.dot(covariance.solve(v)) < gate_) ++count;
     }
     return count;
-  }
-
-  /// At most kMostOfChance of the contradicted closures, evenly spaced.
-  std::vector<std::size_t> evenly_spaced() const {
-    const std::size_t apart = (contradicted_.size() + kMostOfChance - 1) / kMostOfChance;
-    std::vector<std::size_t> some;
-    for (std::size_t k = 0; k < contradicted_.size(); k += apart) some.push_back(contradicted_[k]);
-    return some;
   }
 
   const ClosureJudgement<Dim>& judgement_;
   std::span<const PoseFactor<Dim>> closures_;
   double gate_;
-  std::vector<std::size_t> contradicted_;
+  std::vector<std::size_t> all_;
+  std::vector<std::size_t> sample_;  // evenly spaced
 };
 
 }  // namespace
@@ -121,23 +111,32 @@ template <int Dim>
 std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures,
                                      const Gates& gates) {
   const std::vector<double>& chi2 = judgement.chi2;
-  const Contradicted<Dim> contradicted(judgement, closures, gates.widest.closures);
+  const double widest = gates.widest.closures;
+  const Contradicted<Dim> contradicted(judgement, closures, widest);
   std::vector<bool> fits(closures.size());
   std::vector<std::size_t> open;  // between the gates, and not kept
-  std::size_t between = 0;
-  std::size_t right = 0;  // number between the gates that are taken as right
+  std::size_t right = 0;          // number between the gates that are taken as right
   for (std::size_t k = 0; k < closures.size(); ++k) {
     const bool is_kept = judgement.standing[k] == Standing::kKept;
     fits[k] = is_kept || chi2[k] < gates.narrow().closures;
-    if (chi2[k] < gates.narrow().closures || chi2[k] >= gates.widest.closures) continue;
-    ++between;
+    if (chi2[k] < gates.narrow().closures || chi2[k] >= widest) continue;
     if (is_kept || contradicted.count_fitting(k, 1) == 0) ++right;
     if (!is_kept) open.push_back(k);
   }
   if (open.empty()) return fits;
-  const bool are_hardly_wrong = contradicted.expected_by_chance() < (1.0 - gates.confidence) * static_cast<double>(between);
+  std::ranges::sort(open, {}, [&](std::size_t k) { return chi2[k]; });
+  const double expected = contradicted.expected_by_chance();
   const std::size_t most = std::max<std::size_t>(1, right);
-  for (const std::size_t k : open) fits[k] = are_hardly_wrong || contradicted.count_fitting(k, most) < most;
+  double as_near = 0.0;  // number of open closures so near
+  double fitting = 0.0;  // of contradicted measurements in the places of all of them
+  for (const std::size_t k : open) {
+    const double here = contradicted.count_sampled(k);
+    fitting += here;
+    as_near += 1.0;
+    const double wrong = expected * std::pow(chi2[k] / widest, 0.5 * kPoseDof<Dim>);
+    const double share = std::max(1.0 / as_near, here / std::max(1.0, fitting));
+    fits[k] = wrong * share <= 1.0 - gates.confidence || contradicted.count_fitting(k, most) < most;
+  }
   return fits;
 }
 
