@@ -5,7 +5,9 @@
 #include <limits>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/predictions.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/linearise.hpp>
+#include <numeric>
 
 namespace mapjoin {
 namespace {
@@ -39,25 +41,27 @@ class Contradicted {
     for (std::size_t k = 0; k < all_.size(); k += apart) sample_.push_back(all_[k]);
   }
 
-  /// The number of contradicted measurements that would pass the gate in the place of a closure; at most `most`.
+  /// The number of contradicted measurements that would pass the gate in the place of a closure, its own apart; at most `most`.
   std::size_t count_fitting(std::size_t place, std::size_t most) const { return count_fitting(place, all_, most); }
-  /// The same among those of a sample, without the closure's own.
+  /// The same among a sample of them.
   double count_sampled(std::size_t place) const { return static_cast<double>(count_fitting(place, sample_, sample_.size())); }
 
-  /// The number of wrong closures that pass the gate by chance, as far as can be expected by how many of a sample would pass in
-  /// the places of others; one more is taken to, as there may be few of them.
-  double expected_by_chance() const {
-    double fitting = 1.0;
+  /// A bound, with this confidence, on the number of wrong closures that are to be expected within the gate by chance, by how
+  /// many of a sample would pass in the places of others.
+  double expected_by_chance(double confidence) const {
+    double fitting = 0.0;
     for (const std::size_t place : sample_) fitting += count_sampled(place);
     const auto sampled = static_cast<double>(sample_.size());
-    return static_cast<double>(all_.size()) * fitting / (1.0 + sampled * std::max(0.0, sampled - 1.0));
+    const double most = 0.5 * chi_squared_upper_quantile(1.0 - confidence, 2 * (static_cast<int>(fitting) + 1));  // Poisson
+    return static_cast<double>(all_.size()) * most / std::max(1.0, sampled * (sampled - 1.0));
   }
 
  private:
   /// `most` if the covariance of the mismatch is singular, as then nobody knows.
   std::size_t count_fitting(std::size_t place, const std::vector<std::size_t>& measured, std::size_t most) const {
+    if (measured.empty()) return 0;
     const Eigen::LLT<PoseMatrix<Dim>> covariance(judgement_.mismatches[place].covariance);
-    if (!measured.empty() && covariance.info() != Eigen::Success) return most;
+    if (covariance.info() != Eigen::Success) return most;
     const PoseFactor<Dim>& closure = closures_[place];
     const auto& poses = judgement_.values.poses;
     std::size_t count = 0;
@@ -75,6 +79,27 @@ class Contradicted {
   std::vector<std::size_t> all_;
   std::vector<std::size_t> sample_;  // evenly spaced
 };
+
+/// Flags closures within the gate, given from the nearest on, that are wrong with a probability of no more than the confidence
+/// allows. Wrong ones lie anywhere in the gate, so that few are near, and rather where more contradicted measurements would
+/// fit: as far out as all closures are, taken together, and then those that are so each.
+template <int Dim>
+std::vector<bool> hardly_wrong(const std::vector<std::size_t>& closures, const std::vector<double>& chi2,
+                               const Contradicted<Dim>& contradicted, const Gates& gates) {
+  const double expected = contradicted.expected_by_chance(gates.confidence);
+  const auto so_near = [&](std::size_t c) {
+    return expected * std::pow(chi2[closures[c]] / gates.widest.closures, 0.5 * kPoseDof<Dim>);
+  };
+  const double least = 1.0 - gates.confidence;
+  std::size_t count = closures.size();
+  while (count > 0 && so_near(count - 1) > least * static_cast<double>(count)) --count;
+  std::vector<double> fitting(count);
+  for (std::size_t c = 0; c < count; ++c) fitting[c] = contradicted.count_sampled(closures[c]);
+  const double all_fitting = std::accumulate(fitting.begin(), fitting.end(), 0.0);
+  std::vector<bool> are_hardly_wrong(closures.size());
+  for (std::size_t c = 0; c < count; ++c) are_hardly_wrong[c] = so_near(c) * fitting[c] <= least * all_fitting;
+  return are_hardly_wrong;
+}
 
 }  // namespace
 
@@ -124,18 +149,11 @@ std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std
     if (!is_kept) open.push_back(k);
   }
   if (open.empty()) return fits;
-  std::ranges::sort(open, {}, [&](std::size_t k) { return chi2[k]; });
-  const double expected = contradicted.expected_by_chance();
+  std::ranges::stable_sort(open, {}, [&](std::size_t k) { return chi2[k]; });
+  const std::vector<bool> are_hardly_wrong = hardly_wrong(open, chi2, contradicted, gates);
   const std::size_t most = std::max<std::size_t>(1, right);
-  double as_near = 0.0;  // number of open closures so near
-  double fitting = 0.0;  // of contradicted measurements in the places of all of them
-  for (const std::size_t k : open) {
-    const double here = contradicted.count_sampled(k);
-    fitting += here;
-    as_near += 1.0;
-    const double wrong = expected * std::pow(chi2[k] / widest, 0.5 * kPoseDof<Dim>);
-    const double share = std::max(1.0 / as_near, here / std::max(1.0, fitting));
-    fits[k] = wrong * share <= 1.0 - gates.confidence || contradicted.count_fitting(k, most) < most;
+  for (std::size_t c = 0; c < open.size(); ++c) {
+    fits[open[c]] = are_hardly_wrong[c] || contradicted.count_fitting(open[c], most) < most;
   }
   return fits;
 }
