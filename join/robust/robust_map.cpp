@@ -53,10 +53,12 @@ class Settler {
     return settle_fully().and_then([&] { return drop_all_misfits(); });
   }
 
-  /// Drops the farthest observations and all closures beyond their gates; that of closures is found anew from those that
-  /// remain, until all are within it. True if any were dropped.
+  /// Drops the farthest observations, and closures beyond their gate: when all are tried again, the farthest one, as a wrong
+  /// one makes right ones seem wrong, and else all, until those that remain are within the gate that is found anew from them.
+  /// True if any were dropped.
   bool drop_misfits() {
     bool any = join_.drop_observations(gates_.now().observations);
+    if (gates_.last) return join_.drop_farthest_closure(gates_.last->closures) || any;
     while (join_.drop_closures(gates_.now().closures)) {
       any = true;
       gates_.scale.closures = scale_of_closures();

@@ -15,6 +15,7 @@ struct Gates {
   OfKinds widest;               ///< The gates of the confidence.
   OfKinds scale{1.0, 1.0};      ///< How closely inliers fit, as a share of the widest gates; see scale_of().
   std::optional<OfKinds> last;  ///< Used in place of the narrow ones when all are tried again.
+  double confidence = 0.99;     ///< As in RobustOptions.
 
   OfKinds narrow() const { return {scale.closures * widest.closures, scale.observations * widest.observations}; }
   OfKinds now() const { return last.value_or(narrow()); }

@@ -26,6 +26,7 @@ template <int Dim>
 Screening<Dim>::Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop)
     : chain(log), closures(supported(chain, log.closures(), stop)), doubtful_count(doubtful_count_of(log)) {
   const double tail = (1.0 - confidence) / doubtful_count;
+  gates.confidence = confidence;
   gates.widest = {chi_squared_upper_quantile(tail, kPoseDof<Dim>), chi_squared_upper_quantile(tail, Dim)};
   screen_closures();
   screen_observations(log);

@@ -206,6 +206,19 @@ bool TruncatedJoin<Dim>::drop_closures(double threshold) {
 }
 
 template <int Dim>
+bool TruncatedJoin<Dim>::drop_farthest_closure(double threshold) {
+  double farthest = threshold;
+  std::optional<std::size_t> dropped;
+  for (std::size_t k = 0; k < closure_count(); ++k) {
+    if (!counts_[k] || tests_[k].chi2 < farthest) continue;
+    farthest = tests_[k].chi2;
+    dropped = k;
+  }
+  if (dropped) counts_[*dropped] = false;
+  return dropped.has_value();
+}
+
+template <int Dim>
 bool TruncatedJoin<Dim>::drop_observations(double threshold) {
   double worst = 0.0;
   for (const PartTest& test : counting_observation_tests()) worst = std::max(worst, test.chi2);

@@ -43,6 +43,8 @@ class TruncatedJoin {
   bool is_tested() const { return marginals_.has_value(); }
   /// Drops the closures whose tests are beyond the threshold. True if there were any.
   bool drop_closures(double threshold);
+  /// Drops the closure whose test is farthest beyond the threshold. True if there was one.
+  bool drop_farthest_closure(double threshold);
   /// Drops the observations whose tests are beyond the threshold and at least half as far (in chi2) as the farthest. True if
   /// there were any.
   bool drop_observations(double threshold);

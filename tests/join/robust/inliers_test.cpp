@@ -86,6 +86,18 @@ PoseFactor<Dim> closure_of(const Values<Dim>& truth, int base, int target, const
   return closure;
 }
 
+/// A ring of sharp closures whose last one is wrong: each of them seems as wrong as the others.
+TYPED_TEST(InliersTest, LoseOneClosureOfARingThatDoesNotClose) {
+  constexpr int kDim = TypeParam::value;
+  auto world = testing::small_world<kDim>({.poses = 17, .features = 0, .closures = 0});
+  const PoseMatrix<kDim> sharp = 1e6 * PoseMatrix<kDim>::Identity();
+  auto& factors = world.log.graph.pose_factors;
+  for (int k = 0; k < 16; k += 2) factors.push_back(closure_of(world.truth, k, k + 2, sharp));
+  factors.push_back(closure_of(world.truth, 0, 16, sharp, 0.03));
+  put_in_order(world.log);
+  EXPECT_EQ(find_inliers(world.log, {}).value().rejected.size(), 1U);
+}
+
 TYPED_TEST(InliersTest, KeepClosuresThatMeasureRotationOnlyHoweverFarApartTheirPosesAre) {
   constexpr int kDim = TypeParam::value;
   constexpr double kLarger = 100.0;

@@ -173,6 +173,22 @@ TYPED_TEST(TruncatedJoinTest, SettlesByAStepWithoutWhatDoesNotCount) {
   this->expect_alike(by_a_step.closure_tests(), settled.closure_tests(), 0.1);
 }
 
+TYPED_TEST(TruncatedJoinTest, DropsTheFarthestClosureAlone) {
+  auto world = this->world();
+  testing::spoil_closure(world.log, 2, 0.01);
+  testing::spoil_closure(world.log, 4, 0.02);
+  auto join = this->join_of(world);
+  join.settle({});
+  ASSERT_GT(join.closure_tests()[2].chi2, testing::kThreshold);
+  EXPECT_TRUE(join.drop_farthest_closure(testing::kThreshold));
+  EXPECT_EQ(this->closures_that_do_not_count(join), std::vector<std::size_t>{4});
+  join.settle({});
+  EXPECT_TRUE(join.drop_farthest_closure(testing::kThreshold));
+  join.settle({});
+  EXPECT_EQ(this->closures_that_do_not_count(join), (std::vector<std::size_t>{2, 4}));
+  EXPECT_FALSE(join.drop_farthest_closure(testing::kThreshold));
+}
+
 TYPED_TEST(TruncatedJoinTest, TakesNoStepThatWouldRaiseChi2) {
   const auto world = this->world();
   const auto slam = testing::full_slam(world.log);
