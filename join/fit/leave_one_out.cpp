@@ -105,6 +105,7 @@ LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEqua
       equations_(equations),
       marginals_(marginals),
       step_(equations.solve(equations.gradient())),
+      moved_(Eigen::VectorXd::Zero(equations.size())),
       offsets_{0},
       least_redundancies_(factor_count()) {
   for (std::size_t k = 0; k < factor_count(); ++k) {
@@ -186,37 +187,78 @@ PartTest LeaveOneOut<Dim>::prediction(std::size_t factor) const {
   return {at_optimum.dot(I_WC.partialPivLu().solve(Wr)), static_cast<int>(r.size()), 0.0};
 }
 
+/// A second part that is left out is tied to the first: its shift takes the share of those before it along, so that none of
+/// them comes back in.
 template <int Dim>
 double LeaveOneOut<Dim>::leave_out(const MeasuredPart& part) {
   const DenseFactor factor = dense_factor(system_, part.factor);
   const Eigen::MatrixXd B = testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
                                                 whitening(factor.W.block(part.row, part.row, part.rows, part.rows)),
                                                 least_redundancies_[part.factor]);
-  const Eigen::MatrixXd W_B = factor.W.middleCols(part.row, part.rows) * B;
-  const Eigen::MatrixXd WJ_B = factor.J.transpose() * W_B;
-  const Eigen::VectorXd shift = B.transpose() * g(part.factor).segment(part.row, part.rows);
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(equations_.size());
+  const Eigen::VectorXd size = B.transpose() * g(part.factor).segment(part.row, part.rows);
+  const Eigen::Index before = shifts_.rows();
+  Eigen::MatrixXd shifts = Eigen::MatrixXd::Zero(before + part.rows, B.cols());
+  shifts.bottomRows(part.rows) = B;
+  left_out_.push_back(part);
   for (Eigen::Index first = 0; first < B.cols(); first += kColumnsAtOnce) {
     const Eigen::Index count = std::min(kColumnsAtOnce, B.cols() - first);
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(equations_.size(), count);
-    for_each_variable<Dim>(equations_, part.factor, [&](Variable v, Eigen::Index column) {
-      columns.middleRows(equations_.offset(v), equations_.dof(v)) = WJ_B.block(column, first, equations_.dof(v), count);
-    });
-    const Eigen::MatrixXd P_columns = equations_.solve_columns(columns);
-    subtract(part.factor, W_B.middleCols(first, count), P_columns, shift.segment(first, count));
-    step += P_columns * shift.segment(first, count);
+    auto columns = shifts.middleCols(first, count);
+    if (before > 0) columns.topRows(before) = -shifts_ * (shifts_.transpose() * M_times(columns).topRows(before));
+    const Eigen::MatrixXd moved = moved_by(columns);
+    subtract(columns, moved, size.segment(first, count));
+    moved_ += moved * size.segment(first, count);
   }
-  return system_.step_size(step).radians;
+  shifts_.conservativeResizeLike(Eigen::MatrixXd::Zero(shifts.rows(), shifts_.cols() + B.cols()));
+  shifts_.rightCols(B.cols()) = shifts;
+  return system_.step_size(moved_).radians;
 }
 
 template <int Dim>
-void LeaveOneOut<Dim>::subtract(std::size_t own, const Eigen::MatrixXd& W_B, const Eigen::MatrixXd& P_Jt_W_B,
-                                const Eigen::VectorXd& shift) {
+Eigen::MatrixXd LeaveOneOut<Dim>::moved_by(const Eigen::MatrixXd& shifts) const {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(equations_.size(), shifts.cols());
+  Eigen::Index row = 0;
+  for (const MeasuredPart& part : left_out_) {
+    const DenseFactor factor = dense_factor(system_, part.factor);
+    const Eigen::MatrixXd Jt_W =
+        factor.J.transpose() * (factor.W.middleCols(part.row, part.rows) * shifts.middleRows(row, part.rows));
+    for_each_variable<Dim>(equations_, part.factor, [&](Variable v, Eigen::Index column) {
+      columns.middleRows(equations_.offset(v), equations_.dof(v)) += Jt_W.middleRows(column, equations_.dof(v));
+    });
+    row += part.rows;
+  }
+  return equations_.solve_columns(columns);
+}
+
+template <int Dim>
+Eigen::MatrixXd LeaveOneOut<Dim>::M_times(const Eigen::MatrixXd& shifts, const Eigen::MatrixXd& moved,
+                                          std::size_t factor) const {
+  const DenseFactor dense = dense_factor(system_, factor);
+  Eigen::MatrixXd product = -(dense.W * times<Dim>(dense.J, moved, factor, equations_));
+  Eigen::Index row = 0;
+  for (const MeasuredPart& part : left_out_) {
+    if (part.factor == factor) product += dense.W.middleCols(part.row, part.rows) * shifts.middleRows(row, part.rows);
+    row += part.rows;
+  }
+  return product;
+}
+
+template <int Dim>
+Eigen::MatrixXd LeaveOneOut<Dim>::M_times(const Eigen::MatrixXd& shifts) const {
+  const Eigen::MatrixXd moved = moved_by(shifts);
+  Eigen::MatrixXd product(shifts.rows(), shifts.cols());
+  Eigen::Index row = 0;
+  for (const MeasuredPart& part : left_out_) {
+    product.middleRows(row, part.rows) = M_times(shifts, moved, part.factor).middleRows(part.row, part.rows);
+    row += part.rows;
+  }
+  return product;
+}
+
+template <int Dim>
+void LeaveOneOut<Dim>::subtract(const Eigen::MatrixXd& shifts, const Eigen::MatrixXd& moved, const Eigen::VectorXd& size) {
   parallel_for(factor_count(), [&](std::size_t k) {
-    const DenseFactor factor = dense_factor(system_, k);
-    Eigen::MatrixXd M_B = -(factor.W * times<Dim>(factor.J, P_Jt_W_B, k, equations_));
-    if (k == own) M_B += W_B;
-    g(k) -= M_B * shift;
+    const Eigen::MatrixXd M_B = M_times(shifts, moved, k);
+    g(k) -= M_B * size;
     M(k) -= M_B * M_B.transpose();
   });
 }

@@ -57,7 +57,8 @@ class LeaveOneOut {
   /// The squared Mahalanobis distance rᵀ (W⁻¹ + J P Jᵀ)⁻¹ r of a factor that had no part in the estimate, from its prediction
   /// at the optimum of the linearised problem.
   PartTest prediction(std::size_t factor) const;
-  /// Leaves a part out of the measurements in all tests that follow. Returns the largest rotation of a pose by that (rad).
+  /// Leaves a part out of the measurements in all tests that follow. Returns the largest rotation of a pose by all parts that
+  /// have been left out (rad).
   double leave_out(const MeasuredPart& part);
 
  private:
@@ -74,13 +75,21 @@ class LeaveOneOut {
     return Eigen::Map<const Eigen::MatrixXd>(values_.data() + offsets_[factor] + rows(factor), rows(factor), rows(factor));
   }
   void solve_for(std::size_t factor);
-  /// Subtracts from all g and M the effect of some columns of M B, B being the directions of the part that is left out.
-  void subtract(std::size_t own, const Eigen::MatrixXd& W_B, const Eigen::MatrixXd& P_Jt_W_B, const Eigen::VectorXd& shift);
+  /// The estimate's step P Jᵀ W X by shifts X of the parts left out so far, a column each; their rows one part after the other.
+  Eigen::MatrixXd moved_by(const Eigen::MatrixXd& shifts) const;
+  /// The rows of one factor of M X, with all measurements, where `moved` is moved_by(X); or those of the parts left out.
+  Eigen::MatrixXd M_times(const Eigen::MatrixXd& shifts, const Eigen::MatrixXd& moved, std::size_t factor) const;
+  Eigen::MatrixXd M_times(const Eigen::MatrixXd& shifts) const;
+  /// Subtracts from all g and M the effect of some shifts X, each of a size.
+  void subtract(const Eigen::MatrixXd& shifts, const Eigen::MatrixXd& moved, const Eigen::VectorXd& size);
 
   const JoiningSystem<Dim>& system_;
   const NormalEquations& equations_;
   const Marginals& marginals_;
-  Eigen::VectorXd step_;  // to the optimum of the linearised problem
+  Eigen::VectorXd step_;   // to the optimum of the linearised problem
+  Eigen::VectorXd moved_;  // from there by all that was left out
+  std::vector<MeasuredPart> left_out_;
+  Eigen::MatrixXd shifts_;  // X of all parts left out, with Xᵀ M X = I
   double chi2_ = 0.0;
   std::vector<std::size_t> offsets_;  // of g, then M, of each factor in values_
   std::vector<double> values_;

@@ -145,6 +145,24 @@ TYPED_TEST(LeaveOneOutTest, TestsWhatIsLeftOnceAPartIsOut) {
   EXPECT_NEAR(observation.chi2, chi2 - this->chi2_of(this->without(less, -1, o)), 1e-3 * observation.chi2);
 }
 
+/// All closures, one after the other, and then steps of odometry, which are tied to them and to each other.
+TYPED_TEST(LeaveOneOutTest, TestsWhatIsLeftOnceSeveralTiedPartsAreOut) {
+  const auto log = this->world();
+  auto less = log;
+  const typename TestFixture::Tests tests(this->full_slam(log));
+  double chi2 = this->chi2_of(log);
+  for (const std::size_t place : {0U, 1U, 2U, 3U, 10U, 12U}) {
+    const auto& edge = place < log.closures().size() ? log.closures()[place] : log.odometry()[place];
+    const MeasuredPart part = tests.whole(tests.factor_of(edge));
+    const auto test = tests.leave_one_out->test(part);
+    std::erase_if(less.graph.pose_factors, [&](const auto& o) { return o.base == edge.base && o.target == edge.target; });
+    const double rest = this->chi2_of(less);
+    EXPECT_NEAR(test.chi2, chi2 - rest, 1e-3 * test.chi2) << place;
+    chi2 = rest;
+    tests.leave_one_out->leave_out(part);
+  }
+}
+
 TYPED_TEST(LeaveOneOutTest, PredictsWhatHadNoPartInTheEstimate) {
   constexpr int kDim = TypeParam::value;
   for (const bool is_whole : {true, false}) {
