@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
+#include <mapjoin/join/robust/fix_tests.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/cost.hpp>
@@ -21,21 +23,34 @@ namespace {
 constexpr int kAlignments = 300;
 /// Graduated non-convexity ends before a loss of this share, which is as good as cut off.
 constexpr double kSharpShare = 0.98;
+/// Maximum number of steps of the solve with all fixes: where these fit, they are near.
+constexpr int kStepsWithAll = 20;
+
+/// Which fixes count, and the squared distance of each from its prediction by all others that do.
+struct JudgedFixes {
+  std::vector<bool> count;
+  std::vector<double> chi2;
+};
 
 /// A search for outliers among the pose priors of a log, all of which are fixes, and `widest` the threshold of their chi2.
 template <int Dim>
 class FixSearch {
  public:
   FixSearch(const Log<Dim>& log, double widest, Engine engine, const std::stop_token& stop)
-      : log_(log), widest_(widest), engine_(engine), stop_(stop) {}
+      : log_(log),
+        widest_(widest),
+        engine_(engine),
+        stop_(stop),
+        judged_{std::vector(log.pose_priors().size(), true), std::vector(log.pose_priors().size(), 0.0)} {}
 
-  /// The chi2 of each fix; zeros if too few stand apart to tell.
-  Expected<std::vector<double>> chi2() {
+  /// The fixes that count, and tests of all; all of them count if they pass as they are, or if too few stand apart to tell.
+  Expected<JudgedFixes> judged() {
     if (auto start = solve_without_fixes(); !start) return tl::unexpected(start.error());
     const auto alignment = least_median_alignment();
-    if (!alignment) return std::vector<double>(log_.pose_priors().size());
+    if (!alignment) return judged_;
     log_.initial = moved(*alignment, std::move(log_.initial));
-    return graduate().and_then([&] { return settle(); }).map([&] { return costs(); }).map_error([&](const Error& error) {
+    const auto found = all_fit().and_then([&](bool fit) { return fit ? Expected<void>() : search(); });
+    return found.map([&] { return judged_; }).map_error([&](const Error& error) {
       return error.kind == ErrorKind::kBadInput ? too_few() : error;
     });
   }
@@ -91,11 +106,70 @@ class FixSearch {
     return {};
   }
 
-  /// Solves with the fixes that cost less than the threshold.
-  Expected<void> settle() {
-    const std::vector<double> all = costs();
-    for (std::size_t f = 0; f < all.size(); ++f) fixes()[f].loss = all[f] < widest_ ? Loss{} : Loss{0.0, 0.0};
-    return solve_on(MinimiseOptions{}.max_iterations);
+  /// True if every fix passes its test when all count. Otherwise the estimate is as it was before.
+  Expected<bool> all_fit() {
+    const Values<Dim> before = log_.initial;
+    const auto solved = settle(kStepsWithAll);
+    if (!solved && solved.error().kind != ErrorKind::kBadInput) return tl::unexpected(solved.error());
+    if (solved && std::ranges::max(judged_.chi2) < widest_) return true;
+    log_.initial = before;
+    return false;
+  }
+
+  /// Finds the fixes that count by graduated non-convexity, and then by tests: drops those that do not fit, and lets those in,
+  /// once, that were let go only because the map was bent.
+  Expected<void> search() {
+    return graduate()
+        .and_then([&] {
+          const std::vector<double> all = costs();
+          for (std::size_t f = 0; f < all.size(); ++f) judged_.count[f] = all[f] < widest_;
+          return settle();
+        })
+        .and_then([&] { return drop_misfits(); })
+        .and_then([&] { return readmit() ? settle() : Expected<void>(); })
+        .and_then([&] { return drop_misfits(); });
+  }
+
+  /// Drops the farthest fix that counts, as it makes others seem wrong, until all that do pass their tests.
+  Expected<void> drop_misfits() {
+    for (auto misfit = farthest(); misfit; misfit = farthest()) {
+      judged_.count[*misfit] = false;
+      if (auto settled = settle(); !settled) return settled;
+    }
+    return {};
+  }
+
+  /// The fix that counts and is farthest beyond the threshold; nullopt if none is.
+  std::optional<std::size_t> farthest() const {
+    std::optional<std::size_t> found;
+    for (std::size_t f = 0; f < judged_.chi2.size(); ++f) {
+      const double beyond = found ? judged_.chi2[*found] : widest_;
+      if (judged_.count[f] && judged_.chi2[f] >= beyond) found = f;
+    }
+    return found;
+  }
+
+  /// Readmits the fixes that pass their tests. True if there were any.
+  bool readmit() {
+    bool any = false;
+    for (std::size_t f = 0; f < judged_.chi2.size(); ++f) {
+      if (judged_.count[f] || judged_.chi2[f] >= widest_) continue;
+      judged_.count[f] = true;
+      any = true;
+    }
+    return any;
+  }
+
+  /// Solves with the fixes that count, and tests all.
+  Expected<void> settle(int most_steps = MinimiseOptions{}.max_iterations) {
+    for (std::size_t f = 0; f < judged_.count.size(); ++f) fixes()[f].loss = judged_.count[f] ? Loss{} : Loss{0.0, 0.0};
+    if (auto solved = solve_on(most_steps); !solved) return solved;
+    const auto tests = fix_tests(log_, judged_.count, engine_, stop_);
+    if (stop_.stop_requested()) return interrupted("rejecting");
+    if (!tests) return tl::unexpected(too_few());
+    const std::vector<double> own = costs();  // without a bound of a fix beyond all numbers, which has no weight
+    for (std::size_t f = 0; f < own.size(); ++f) judged_.chi2[f] = std::isfinite(own[f]) ? (*tests)[f].chi2 : own[f];
+    return {};
   }
 
   /// Solves from the current values, in at most so many steps.
@@ -133,6 +207,7 @@ class FixSearch {
   double widest_;
   Engine engine_;
   const std::stop_token& stop_;
+  JudgedFixes judged_;
 };
 
 /// A part of a log that only fixes tie to the rest, with its fixes, and their places among the pose priors of the log.
@@ -178,11 +253,11 @@ Expected<std::vector<RejectedFix>> find_wrong_fixes(const Log<Dim>& log, const R
   const double widest = chi_squared_upper_quantile((1.0 - options.confidence) / count, Dim);
   for (const auto& [part, fixes] : fixed_parts(log)) {
     if (fixes.empty()) continue;
-    const auto chi2 = FixSearch<Dim>(part, widest, options.engine, stop).chi2();
-    if (!chi2) return tl::unexpected(chi2.error());
+    const auto judged = FixSearch<Dim>(part, widest, options.engine, stop).judged();
+    if (!judged) return tl::unexpected(judged.error());
     for (std::size_t f = 0; f < fixes.size(); ++f) {
-      const double tail = count * chi_squared_upper_tail((*chi2)[f], Dim);
-      if ((*chi2)[f] >= widest) wrong.push_back({fixes[f], (*chi2)[f], std::min(1.0, tail)});
+      const double tail = count * chi_squared_upper_tail(judged->chi2[f], Dim);
+      if (!judged->count[f]) wrong.push_back({fixes[f], judged->chi2[f], std::min(1.0, tail)});
     }
   }
   std::ranges::sort(wrong, {}, &RejectedFix::prior);

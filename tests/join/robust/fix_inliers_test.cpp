@@ -30,9 +30,9 @@ class FixInliers : public ::testing::Test {
     }
     return spoiled;
   }
-  static std::set<std::size_t> found_in(const Log<kDim>& log) {
+  static std::set<std::size_t> found_in(const Log<kDim>& log, const RobustOptions& options = {}) {
     std::set<std::size_t> found;
-    const auto rejected = find_wrong_fixes(log, RobustOptions{});
+    const auto rejected = find_wrong_fixes(log, options);
     EXPECT_TRUE(rejected) << rejected.error().message;
     for (const RejectedFix& fix : *rejected) found.insert(fix.prior);
     return found;
@@ -49,6 +49,26 @@ TYPED_TEST(FixInliers, WrongFixesAreFound) {
     auto world = gps_world<TestFixture::kDim>({.poses = 400, .between = 2});
     const auto spoiled = this->spoil(nth, world.log);
     EXPECT_EQ(this->found_in(world.log), spoiled) << "one of " << nth;
+  }
+}
+
+/// Fixes a hundredth as far off as odometry is from one to the next: only with the covariance of what the rest predicts for a
+/// fix does the fix fit.
+TYPED_TEST(FixInliers, PreciseFixesAreJudgedByWhatOdometryBetweenThemAllows) {
+  RobustOptions options;
+  options.confidence = 0.9999;  // so that none of ten worlds loses a right fix by chance
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    auto log = gps_world<TestFixture::kDim>({.poses = 800, .between = 80, .deviation = 0.02, .seed = seed}).log;
+    log.features.clear();
+    log.initial.features.clear();
+    log.graph.feature_factors.clear();
+    EXPECT_TRUE(this->found_in(log, options).empty()) << seed;
+    constexpr std::size_t kWrong = 5;
+    log.graph.pose_factors[log.edges().size() + kWrong].measured.translation[0] += 50.0;
+    const auto rejected = find_wrong_fixes(log, options).value();
+    ASSERT_EQ(rejected.size(), 1U) << seed;
+    EXPECT_EQ(rejected.front().prior, kWrong) << seed;
+    EXPECT_LT(rejected.front().chi2, 1e5) << "not the 6e6 of its own covariance alone, seed " << seed;
   }
 }
 
