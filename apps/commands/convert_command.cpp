@@ -118,7 +118,7 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, const SubmapS
   return {};
 }
 
-/// Why segments are no local maps, and what may help, to follow that they are none.
+/// The reason why segments of a store are no local maps, or what may help: the end of a sentence.
 template <int Dim>
 std::string why_raw(const StoredMaps<Dim>& stored) {
   Table<PoseIndex, bool> is_inside(stored.log.poses.size(), false);

@@ -180,7 +180,7 @@ void add_reading_notes(const RunReport& run_report, Lines& lines) {
   note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
 }
 
-/// True if priors of several inputs, perhaps, contradict each other.
+/// True if a prior of several inputs is a misfit: their frames may differ.
 bool has_misfit_of_priors(const RunReport& run_report) {
   return run_report.has_several_inputs && !run_report.gps && run_report.counts.priors > 1 &&
          std::ranges::any_of(run_report.misfits, [](const NamedMisfit& of) { return of.misfit.kind == PartKind::kPrior; });

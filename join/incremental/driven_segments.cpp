@@ -54,6 +54,9 @@ Expected<void> DrivenSegments<Dim>::keep_more(const SubmapUpdate<Dim>& update, c
   const auto wrong = [&](const std::string& what) { return bad_input_of(map.source, what); };
   const auto is_of_map = [](const SubmapUpdate<Dim>& of) { return !of.segments.empty() && of.segments.front().is_map; };
   if (!is_of_map(map) || !is_of_map(update)) return wrong("a local map can only take the place of another one");
+  if (!map.graph.pose_factors.empty() || !map.graph.feature_factors.empty() || !map.graph.fixed.empty()) {
+    return wrong("only a local map can take the place of another one: give other factors in an update of their own");
+  }
   if (first_pose(map) != first_pose(update) || last_pose(map) != last_pose(update)) {
     return wrong("the map is not of the segment from " + to_string(first_pose(update)) + " to " +
                  key_text(last_pose(update).key));

@@ -186,7 +186,8 @@ Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add_all(std::vector<SubmapUp
 template <int Dim>
 Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::keep_more(std::size_t number, const SubmapUpdate<Dim>& map,
                                                               const std::stop_token& stop) {
-  return join_.keep_more(added_.at(number), map, stop).map([](const AddedUpdate& added) {
+  return join_.keep_more(added_.at(number), map, stop).map([&](const AddedUpdate& added) {
+    is_doubtful_ |= added.batch_checked;
     return RobustlyAdded{.added = added};
   });
 }

@@ -47,7 +47,8 @@ class Contradicted {
   double count_sampled(std::size_t place) const { return static_cast<double>(count_fitting(place, sample_, sample_.size())); }
 
   /// A bound, with this confidence, on the number of wrong closures that are to be expected within the gate by chance, by how
-  /// many of a sample would pass in the places of others.
+  /// many of a sample would pass in the places of others. These have the largest covariances that they could have, which makes
+  /// it larger.
   double expected_by_chance(double confidence) const {
     double fitting = 0.0;
     for (const std::size_t place : sample_) fitting += count_sampled(place);

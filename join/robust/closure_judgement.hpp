@@ -24,7 +24,7 @@ template <int Dim>
 struct ClosureJudgement {
   std::vector<Standing> standing;
   std::vector<double> chi2;  ///< Squared distance from the prediction by all others; a lower bound beyond the widest gate.
-  std::vector<UncertainPose<Dim>> mismatches;  ///< Measured less predicted relative poses of closures that are not kept.
+  std::vector<UncertainPose<Dim>> mismatches;  ///< Measured less predicted, of closures that are not kept; see mismatches().
   Values<Dim> values;                          ///< The estimate of the map.
 };
 

@@ -25,6 +25,8 @@ constexpr int kAlignments = 300;
 constexpr double kSharpShare = 0.98;
 /// Maximum number of steps of the solve with all fixes: where these fit, they are near.
 constexpr int kStepsWithAll = 20;
+/// Fixes are dropped at once if they are at least this share as far (in chi2) as the farthest, which makes others seem wrong.
+constexpr double kShareOfFarthestFix = 0.5;
 
 /// Which fixes count, and the squared distance of each from its prediction by all others that do.
 struct JudgedFixes {
@@ -130,10 +132,13 @@ class FixSearch {
         .and_then([&] { return drop_misfits(); });
   }
 
-  /// Drops the farthest fix that counts, as it makes others seem wrong, until all that do pass their tests.
+  /// Drops the fixes that fail their tests, the farthest first, until all that count pass theirs.
   Expected<void> drop_misfits() {
-    for (auto misfit = farthest(); misfit; misfit = farthest()) {
-      judged_.count[*misfit] = false;
+    while (const auto misfit = farthest()) {
+      const double least = std::max(widest_, kShareOfFarthestFix * judged_.chi2[*misfit]);
+      for (std::size_t f = 0; f < judged_.chi2.size(); ++f) {
+        if (judged_.chi2[f] >= least) judged_.count[f] = false;
+      }
       if (auto settled = settle(); !settled) return settled;
     }
     return {};
@@ -167,7 +172,7 @@ class FixSearch {
     const auto tests = fix_tests(log_, judged_.count, engine_, stop_);
     if (stop_.stop_requested()) return interrupted("rejecting");
     if (!tests) return tl::unexpected(too_few());
-    const std::vector<double> own = costs();  // without a bound of a fix beyond all numbers, which has no weight
+    const std::vector<double> own = costs();  // a fix of infinite cost has no weight, and so no test
     for (std::size_t f = 0; f < own.size(); ++f) judged_.chi2[f] = std::isfinite(own[f]) ? (*tests)[f].chi2 : own[f];
     return {};
   }

@@ -10,7 +10,7 @@
 namespace mapjoin {
 namespace {
 
-/// The numbers in the system of the pose priors of a log, whose pose factors come first.
+/// The numbers of a log's pose priors among the factors of a system, in which pose factors come first.
 template <int Dim>
 std::vector<std::size_t> factors_of_priors(const JoiningSystem<Dim>& system, const Log<Dim>& log) {
   const std::span<const PoseFactor<Dim>> priors = log.pose_priors();

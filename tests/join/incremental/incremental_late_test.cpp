@@ -96,7 +96,7 @@ TYPED_TEST(IncrementalLateTest, ARobustJoinEndsAsTheOther) {
   EXPECT_EQ(robust.estimate().dof(), joined.dof());
 }
 
-/// Maps of six poses of which one keeps all.
+/// Maps of six poses, of which one is then replaced by one that keeps all of its poses.
 TYPED_TEST(IncrementalLateTest, AMapThatKeepsMoreChangesNothing) {
   constexpr int kDim = TestFixture::kDim;
   const auto log = testing::small_world<kDim>({.poses = 60, .features = 60, .closures = 0}).log;
@@ -136,6 +136,10 @@ TYPED_TEST(IncrementalLateTest, WhatIsNoMapOfTheSameSegmentIsRefusedByName) {
   SubmapUpdate<kDim> other = updates[1];
   other.features[0] = {999};
   EXPECT_EQ(message(other), "map: " + to_string(updates[1].features[0]) + " was in the map, and is not any more");
+  SubmapUpdate<kDim> more = updates[1];
+  more.graph.fixed.push_back({0, {}});
+  EXPECT_EQ(message(more),
+            "map: only a local map can take the place of another one: give other factors in an update of their own");
   EXPECT_THROW((void)joined.keep_more(99, updates[1]), std::out_of_range);
 }
 

@@ -17,7 +17,7 @@ TEST(FactorValues, SayForHowMuchThereIsNoRoom) {
     } catch (const std::system_error& failure) {
       told = failure.what();
     }
-    EXPECT_THAT(told, testing::StartsWith(std::string("/proc: no room for a file of ") + size + ": "));
+    EXPECT_THAT(told, ::testing::StartsWith(std::string("/proc: no room for a file of ") + size + ": "));
   }
 }
 
