@@ -4,6 +4,7 @@
 // (32)), beside single observations.
 
 #include <Eigen/Core>
+#include <functional>
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/partial_map.hpp>
 #include <mapjoin/join/joined_state.hpp>
@@ -11,6 +12,7 @@
 #include <mapjoin/solve/normal_equations.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -120,5 +122,16 @@ class JoiningSystem {
   std::size_t first_map_factor_ = 0;
   NormalEquations equations_;
 };
+
+/// The places of some observations, in a row in memory, among those that a system has placed.
+template <typename Placed, typename Observation>
+std::vector<std::size_t> places_among(const std::vector<Placed>& placed, std::span<const Observation> observations) {
+  std::vector<std::size_t> places(observations.size());
+  for (std::size_t k = 0; k < placed.size(); ++k) {
+    const auto o = static_cast<std::size_t>(placed[k].observation - observations.data());
+    if (!std::less<>()(placed[k].observation, observations.data()) && o < observations.size()) places[o] = k;
+  }
+  return places;
+}
 
 }  // namespace mapjoin

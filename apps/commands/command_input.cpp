@@ -31,7 +31,7 @@ void demand_none_of_logs(const std::string& input, const Options& options) {
                                                   {"--stamps", !options.stamps.empty()},
                                                   {"--ids-are-nanoseconds", options.ids_are_nanoseconds}};
   for (const auto& [option, is_asked] : of_logs) {
-    if (is_asked) fail(ErrorKind::kUsage, fmt::format("{}: holds local maps, and {} is for a log", input, option));
+    if (is_asked) fail(ErrorKind::kUsage, is_for_a_log(input, option));
   }
 }
 

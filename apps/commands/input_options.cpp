@@ -46,11 +46,15 @@ std::vector<std::string> check_given_once(const Options& options) {
 void refuse_for_maps(Subcommand& command, const Options& options, const std::string& option) {
   command.check([&command, &options, option]() -> std::vector<std::string> {
     if (!command.is_given(option) || !may_hold_maps(options.input)) return {};
-    return {fmt::format("{}: holds local maps, and {} is for a log", options.input.string(), option)};
+    return {is_for_a_log(options.input, option)};
   });
 }
 
 }  // namespace
+
+std::string is_for_a_log(const std::filesystem::path& input, const std::string& option) {
+  return fmt::format("{}: holds local maps, and {} is for a log", input.string(), option);
+}
 
 void add_weights(Subcommand& command, Options& options) {
   command.group("Reading");

@@ -89,6 +89,8 @@ void take_weights(const Options& options, Data& data) {
 /// The number of threads that the run works on.
 std::size_t thread_count(const Options& options);
 
+/// The refusal, in words, of an option of logs for an input that holds local maps.
+std::string is_for_a_log(const std::filesystem::path& input, const std::string& option);
 /// Adds the options for lenient reading of files of others: --skip-unknown, --skip-self-edges, --skip-undeclared,
 /// --identity-where-missing; `of` is behind what each does.
 void add_leniency(Subcommand& command, Options& options, const std::string& of);

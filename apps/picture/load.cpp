@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <apps/outputs.hpp>
 #include <apps/picture/links.hpp>
 #include <apps/picture/load.hpp>
+#include <apps/report/report.hpp>
 #include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/open.hpp>
@@ -156,14 +156,6 @@ std::vector<std::string> read_run(const fs::path& folder, const Log<Dim>& log, P
   return {};
 }
 
-/// A remark on what was left out of a log; none if nothing was.
-std::vector<std::string> remarks_on(const SkipCounts& skipped) {
-  std::vector<std::string> words;
-  for (const auto& [what, count] : skipped) words.push_back(fmt::format("{} ({})", what, count));
-  if (words.empty()) return {};
-  return {fmt::format("left out: {}", fmt::join(words, ", "))};
-}
-
 /// A log in a file, or in the folder of a run.
 template <int Dim>
 LoadedMap loaded(Log<Dim> log, const fs::path& path, const std::optional<fs::path>& run) {
@@ -174,7 +166,8 @@ LoadedMap loaded(Log<Dim> log, const fs::path& path, const std::optional<fs::pat
   }
   PlottedMap<Dim> out = plotted(log);
   if (certain) take_covariances(*std::move(certain), out.map);
-  std::vector<std::string> remarks = remarks_on(log.skipped);
+  std::vector<std::string> remarks;
+  if (!log.skipped.empty()) remarks.push_back(left_out_in_words(log.skipped));
   if (run) append(remarks, read_run(*run, log, out));
   return {std::move(out), ExitCode::kDone, std::move(remarks)};
 }

@@ -29,6 +29,8 @@ std::string summary(const RunReport& run_report);
 std::string counts_in_words(const RunReport& run_report);
 /// The gauge in words: anchored poses, priors or fixes.
 std::string gauge_in_words(const RunReport& run_report);
+/// What was left out of a log in words: "left out: VERTEX_CAM (3)"; empty if nothing was.
+std::string left_out_in_words(const SkipCounts& skipped);
 /// The conventions of chi2 in words.
 std::string conventions_in_words(const Conventions& conventions, int dimension);
 

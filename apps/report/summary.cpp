@@ -126,6 +126,12 @@ std::string gauge_in_words(const RunReport& run_report) {
                      plural(run_report.anchored.size() - 1, "pose"));
 }
 
+std::string left_out_in_words(const SkipCounts& skipped) {
+  std::vector<std::string> words;
+  for (const auto& [what, count] : skipped) words.push_back(fmt::format("{} ({})", what, count));
+  return words.empty() ? "" : fmt::format("left out: {}", fmt::join(words, ", "));
+}
+
 std::string counts_in_words(const RunReport& run_report) {
   const Counts& counts = run_report.counts;
   std::string text =
@@ -175,9 +181,7 @@ void add_reading_notes(const RunReport& run_report, Lines& lines) {
        fmt::format("{} replaced by the nearest semidefinite one",
                    plural(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
   note(repairs.missing > 0, fmt::format("{} without weights got the identity", plural(repairs.missing, "edge")));
-  std::vector<std::string> skipped;
-  for (const auto& [what, count] : run_report.counts.skipped) skipped.push_back(fmt::format("{} ({})", what, count));
-  note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
+  note(!run_report.counts.skipped.empty(), left_out_in_words(run_report.counts.skipped));
 }
 
 /// True if a prior of several inputs is a misfit: their frames may differ.

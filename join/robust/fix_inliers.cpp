@@ -134,24 +134,26 @@ class FixSearch {
 
   /// Drops the fixes that fail their tests, the farthest first, until all that count pass theirs.
   Expected<void> drop_misfits() {
-    while (const auto misfit = farthest()) {
-      const double least = std::max(widest_, kShareOfFarthestFix * judged_.chi2[*misfit]);
-      for (std::size_t f = 0; f < judged_.chi2.size(); ++f) {
-        if (judged_.chi2[f] >= least) judged_.count[f] = false;
-      }
+    while (drop_farthest()) {
       if (auto settled = settle(); !settled) return settled;
     }
     return {};
   }
 
-  /// The fix that counts and is farthest beyond the threshold; nullopt if none is.
-  std::optional<std::size_t> farthest() const {
-    std::optional<std::size_t> found;
+  /// Drops the fixes that fail their tests and are not much nearer than the farthest. True if there were any.
+  bool drop_farthest() {
+    double worst = 0.0;
     for (std::size_t f = 0; f < judged_.chi2.size(); ++f) {
-      const double beyond = found ? judged_.chi2[*found] : widest_;
-      if (judged_.count[f] && judged_.chi2[f] >= beyond) found = f;
+      if (judged_.count[f]) worst = std::max(worst, judged_.chi2[f]);
     }
-    return found;
+    const double least = std::max(widest_, kShareOfFarthestFix * worst);
+    bool any = false;
+    for (std::size_t f = 0; f < judged_.chi2.size(); ++f) {
+      if (!judged_.count[f] || judged_.chi2[f] < least) continue;
+      judged_.count[f] = false;
+      any = true;
+    }
+    return any;
   }
 
   /// Readmits the fixes that pass their tests. True if there were any.
@@ -167,9 +169,9 @@ class FixSearch {
 
   /// Solves with the fixes that count, and tests all.
   Expected<void> settle(int most_steps = MinimiseOptions{}.max_iterations) {
-    for (std::size_t f = 0; f < judged_.count.size(); ++f) fixes()[f].loss = judged_.count[f] ? Loss{} : Loss{0.0, 0.0};
+    for (std::size_t f = 0; f < judged_.count.size(); ++f) fixes()[f].loss = judged_.count[f] ? Loss{} : Loss::dropped();
     if (auto solved = solve_on(most_steps); !solved) return solved;
-    const auto tests = fix_tests(log_, judged_.count, engine_, stop_);
+    const auto tests = fix_tests(log_, engine_, stop_);
     if (stop_.stop_requested()) return interrupted("rejecting");
     if (!tests) return tl::unexpected(too_few());
     const std::vector<double> own = costs();  // a fix of infinite cost has no weight, and so no test

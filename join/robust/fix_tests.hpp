@@ -11,10 +11,9 @@
 namespace mapjoin {
 
 /// The squared Mahalanobis distance of each pose prior of a log from its prediction by all else that counts, at the optimum
-/// `log.initial` over the rest and the priors that count; the losses of priors are not looked at. nullopt if what counts leaves
-/// something free to move.
+/// `log.initial` over the rest and the priors that count, which are those without Loss::dropped(). nullopt if what counts
+/// leaves something free to move.
 template <int Dim>
-std::optional<std::vector<PartTest>> fix_tests(Log<Dim> log, const std::vector<bool>& counts, Engine engine,
-                                               const std::stop_token& stop);
+std::optional<std::vector<PartTest>> fix_tests(Log<Dim> log, Engine engine, const std::stop_token& stop);
 
 }  // namespace mapjoin

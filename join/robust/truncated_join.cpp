@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <functional>
 #include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
@@ -25,8 +24,6 @@ constexpr double kSettled = 1e-6;
 /// Only observations with at least this share of the largest chi2 are dropped at once: an outlier pulls its feature away from
 /// the inliers, which then seem wrong, too.
 constexpr double kDroppedShare = 0.5;
-/// The loss of a factor that does not count.
-constexpr Loss kDropped{0.0, 0.0};
 
 }  // namespace
 
@@ -46,17 +43,10 @@ TruncatedJoin<Dim>::TruncatedJoin(Log<Dim> log, const Values<Dim>& start, const 
 
 template <int Dim>
 void TruncatedJoin<Dim>::find_factors() {
-  factors_.resize(counts_.size());
-  std::size_t factor = 0;
-  const auto find = [&](const auto& placed, const auto& doubtful, std::size_t first) {
-    for (const auto& o : placed) {
-      const auto k = static_cast<std::size_t>(o.observation - doubtful.data());
-      if (!std::less<>()(o.observation, doubtful.data()) && k < doubtful.size()) factors_[first + k] = factor;
-      ++factor;
-    }
-  };
-  find(system_->pose_factors(), log_.closures(), 0);
-  find(system_->feature_factors(), log_.observations(), closure_count());
+  factors_ = places_among(system_->pose_factors(), log_.closures());
+  for (const std::size_t place : places_among(system_->feature_factors(), log_.observations())) {
+    factors_.push_back(system_->pose_factors().size() + place);
+  }
 }
 
 /// Fixes the gauge if nothing else does, and weakly holds what the factors that count may leave undetermined: starts of
@@ -96,7 +86,7 @@ void TruncatedJoin<Dim>::for_each_doubtful(F&& f) {
 
 template <int Dim>
 void TruncatedJoin<Dim>::set_losses(const Loss& counting) {
-  for_each_doubtful([&](auto& factor, std::size_t k, auto) { factor.loss = counts_[k] ? counting : kDropped; });
+  for_each_doubtful([&](auto& factor, std::size_t k, auto) { factor.loss = counts_[k] ? counting : Loss::dropped(); });
 }
 
 template <int Dim>
@@ -133,7 +123,7 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
   double share = first_share(largest_excess(thresholds));
   while (share < kEndShare && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
     for_each_doubtful([&](auto& factor, std::size_t k, double OfKinds::*kind) {
-      factor.loss = counts_[k] ? Loss::truncated(thresholds.*kind, share) : kDropped;
+      factor.loss = counts_[k] ? Loss::truncated(thresholds.*kind, share) : Loss::dropped();
     });
     minimise(*system_, solver, stop);
     share = sharper(share);

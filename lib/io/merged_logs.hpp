@@ -47,9 +47,9 @@ struct NamedConventions {
 /// would mean nothing.
 Expected<Conventions> common_conventions(const std::vector<NamedConventions>& all);
 
-/// kUsage if one of several logs or sets of maps is a copy of another: it has the same names of poses and
-/// features and the same factors and maps, to the last bit, as no two noisy ones have, and so many that something is
-/// measured more than once. Values, time stamps and fixed poses may differ.
+/// kUsage if one of several logs or sets of maps is a copy of another: it has the same names of poses and features and the same
+/// factors and maps, to the last bit, as no two noisy ones have, and so many that something is measured more than once. Values,
+/// time stamps and fixed poses may differ.
 template <typename Part>
 Expected<void> check_no_copies(const std::vector<Part>& parts);
 

@@ -17,6 +17,8 @@ struct Loss {
 
   /// Truncated least squares, min(s, c²), if `share` is 1; a smaller one, above 0, gives a longer arc, [share·c², c²/share].
   static Loss truncated(double c2, double share = 1.0) { return {share * c2, c2 / share}; }
+  /// The loss of a factor that does not count: it costs nothing and pulls nowhere.
+  static constexpr Loss dropped() { return {0.0, 0.0}; }
   bool operator==(const Loss&) const = default;
 };
 
