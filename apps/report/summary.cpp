@@ -206,6 +206,8 @@ void add_notes(const RunReport& run_report, Lines& lines) {
                    "`mapjoin build`",
                    plural(run_report.counts.shared_features, "feature has its id in several inputs and is",
                           "features have their ids in several inputs and are")));
+  note(!run_report.misfits.empty() && !run_report.robust,
+       "what is out of line may be wrong, or the rest: --robust finds what is, and leaves it out of the map");
   note(has_misfit_of_priors(run_report),
        "the priors of all inputs are of one World: if those of each are in a frame of its own, keep them in one input only, or "
        "give them as FIX, which counts in one input only");

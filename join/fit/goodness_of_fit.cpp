@@ -83,23 +83,43 @@ void test_parts(const LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& 
   std::erase_if(parts, [](const TestedPart& part) { return part.test.rows == 0; });
 }
 
+/// A part's chi2 over its median if the covariances were right, and the weight of that: what others confirm of the part.
+struct Ratio {
+  double value = 0.0;
+  double weight = 0.0;
+};
+
+/// The value that half of the weight precedes, of at least one.
+double weighted_median(std::vector<Ratio> ratios) {
+  std::ranges::sort(ratios, {}, &Ratio::value);
+  double rest = 0.0;
+  for (const Ratio& ratio : ratios) rest += 0.5 * ratio.weight;
+  const auto middle = std::ranges::find_if(ratios, [&](const Ratio& ratio) { return (rest -= ratio.weight) <= 0.0; });
+  return middle == ratios.end() ? ratios.back().value : middle->value;
+}
+
+/// The scales of the kinds that are present.
 std::vector<KindScale> scales_of(const std::vector<TestedPart>& parts) {
   ChiSquaredQuantiles medians(0.5);
-  std::map<PartKind, std::vector<double>> ratios;
-  std::map<PartKind, double> confirmed;
+  std::map<PartKind, std::vector<Ratio>> ratios;
   for (const auto& [kind, part, test] : parts) {
-    ratios[kind].push_back(test.chi2 / medians(test.rows));
-    confirmed[kind] += test.redundancy / test.rows;
+    ratios[kind].push_back({test.chi2 / medians(test.rows), test.redundancy / test.rows});
   }
   std::vector<KindScale> scales;
-  for (auto& [kind, of_kind] : ratios) scales.push_back({kind, of_kind.size(), confirmed[kind], median(std::move(of_kind))});
+  for (auto& [kind, of_kind] : ratios) {
+    KindScale& scale = scales.emplace_back(KindScale{kind, of_kind.size()});
+    for (const Ratio& ratio : of_kind) scale.confirmed += ratio.weight;
+    scale.scale = weighted_median(std::move(of_kind));
+  }
   return scales;
 }
 
-/// The scale that residuals of a kind are judged against; at least 1, so that the given covariances are the strictest.
+/// The scale that residuals of a kind are judged against: that of the kind which others confirm most, where they hardly confirm
+/// this one. At least 1, so that the given covariances are the strictest.
 double tolerated_scale(const std::vector<KindScale>& scales, PartKind kind) {
-  const auto found = std::ranges::find(scales, kind, &KindScale::kind);  // every tested kind has one
-  return found->confirmed < kLeastParts ? 1.0 : std::max(1.0, found->scale);
+  auto known = std::ranges::find(scales, kind, &KindScale::kind);  // every tested kind has one
+  if (known->confirmed < kLeastParts) known = std::ranges::max_element(scales, {}, &KindScale::confirmed);
+  return known->confirmed < kLeastParts ? 1.0 : std::max(1.0, known->scale);
 }
 
 template <int Dim>
@@ -161,13 +181,15 @@ bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out
     if (leave_one_out.leave_out(part) > kFarFromOptimum) return false;
     parts.erase(parts.begin() + (worst - parts.data()));
     test_parts(leave_one_out, parts);
+    fit.kinds = scales_of(parts);
   }
   return true;
 }
 
 /// Marks the kinds with the largest residuals; those of other kinds suffer from theirs.
 void mark_too_certain(std::vector<KindScale>& scales) {
-  const double largest = std::ranges::max_element(scales, {}, &KindScale::scale)->scale;
+  double largest = 0.0;
+  for (const KindScale& kind : scales) largest = std::max(largest, kind.scale);
   for (KindScale& kind : scales) kind.is_too_certain = kind.scale > 1.0 && 2.0 * kind.scale > largest;
 }
 

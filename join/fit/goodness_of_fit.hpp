@@ -54,12 +54,13 @@ struct Misfit {
   double probability = 0.0;  ///< Probability of so large a chi2 in any of the parts, if all were as certain as their kind.
 };
 
-/// The size of the residuals of one kind of parts.
+/// The size of the residuals of one kind of parts, without the misfits.
 struct KindScale {
   PartKind kind = PartKind::kClosure;
   std::size_t parts = 0;   ///< Parts that can be tested.
   double confirmed = 0.0;  ///< Sum of the parts' redundancies, each as a share of the part's rows.
-  /// The median of the parts' leave-one-out chi2, over its median if the covariances were right; robust against outliers.
+  /// The median of the parts' leave-one-out chi2, over its median if the covariances were right, where each part weighs as much
+  /// as it is confirmed; robust against outliers.
   double scale = 1.0;
   bool is_too_certain = false;  ///< True if chi2 is too large, even without the misfits, and this kind has a share in it.
 };
@@ -80,7 +81,7 @@ struct GoodnessOfFit {
 /// misfit in one of a hundred cases: half of this level is spent on chi2 as a whole, the other half, by Holm's correction, on
 /// all parts together. At most `most_misfits` are named, and no more once a stop is requested, nor is anything solved for then
 /// (LeaveOneOut::solve_for_weak()). If the typical residuals of a kind are larger than its covariances say, all of the kind are
-/// judged against that scale.
+/// judged against that scale; a kind that hardly anything confirms, against that of the kind which is confirmed most.
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
                               std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits,

@@ -98,6 +98,13 @@ TEST_F(VerdictTest, SaysThatMoreMayShowWithoutWhatBentTheMap) {
               HasSubstr(" is out of line with the rest; more may show without it\n"));
 }
 
+TEST_F(VerdictTest, SaysWhatFindsAllThatIsWrong) {
+  const std::string log = log_with(wrong_closure);
+  EXPECT_THAT(call({"run", log}).out, HasSubstr("note         what is out of line may be wrong, or the rest: --robust finds"));
+  EXPECT_THAT(call({"run", log, "--robust"}).out, Not(HasSubstr("--robust finds")));
+  EXPECT_THAT(call({"run", kBundledLog}).out, Not(HasSubstr("--robust finds")));
+}
+
 TEST_F(VerdictTest, SaysByHowMuchCovariancesAreTooSmall) {
   const std::string path = (folder.path() / "noisy.g2o").string();
   ASSERT_EQ(call({"simulate", "--poses", "500", "--noise-multiplier", "3", "-o", path, "--quiet"}).exit_code, 0);

@@ -183,6 +183,46 @@ TYPED_TEST(GoodnessOfFitTest, TrustsTheScaleOfAKindThatEnoughOthersConfirm) {
   EXPECT_TRUE(fit.misfits.empty());
 }
 
+/// A third of the closures are wrong, and bend the rest, so that all closures look worse than they are.
+TEST(GoodnessOfFit, FindsScalesAnewWithoutEachMisfit) {
+  std::size_t named = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    testing::ClosingWorld<2> world(300, seed, 40);
+    const std::size_t right = world.log.graph.pose_factors.size();
+    for (int k = 0; k < 20; ++k) world.add_closure();
+    std::vector<PoseFactor<2>>& factors = world.log.graph.pose_factors;
+    for (std::size_t k = right; k < factors.size(); ++k) {
+      factors[k].measured = retract<2>(factors[k].measured, PoseVector<2>(0.3 * testing::normal_step<2>(world.random)));
+    }
+    const GoodnessOfFit fit = fit_of(world.log);
+    named += fit.misfits.size();
+    for (const Misfit& misfit : fit.misfits) EXPECT_EQ(misfit.kind, PartKind::kClosure) << seed;
+    const auto closures = std::ranges::find(fit.kinds, PartKind::kClosure, &KindScale::kind);
+    EXPECT_EQ(closures->parts, 60 - fit.misfits.size());
+    EXPECT_LT(closures->scale, 2.0) << seed;
+  }
+  EXPECT_GT(named, 50U);
+}
+
+/// Closures whose errors are five times as large as stated, all of them, bend odometry, which hardly anything else confirms.
+TYPED_TEST(GoodnessOfFitTest, JudgesAKindThatIsHardlyConfirmedByTheScaleOfTheOthers) {
+  constexpr int kDim = TypeParam::value;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    testing::ClosingWorld<kDim> world(300, seed, 40);
+    world.log.graph.feature_factors.clear();
+    world.log.features = {};
+    for (auto& closure : std::span(world.log.graph.pose_factors).subspan(world.log.odometry().size())) {
+      closure.information /= 400.0;
+      closure.measured = retract<kDim>(closure.measured, PoseVector<kDim>(5.0 * testing::normal_step<kDim>(world.random)));
+    }
+    const GoodnessOfFit fit = fit_of(world.log);
+    const auto odometry = std::ranges::find(fit.kinds, PartKind::kOdometry, &KindScale::kind);
+    EXPECT_LT(odometry->confirmed, 20.0);
+    EXPECT_EQ(fit.verdict, Verdict::kMisfit);
+    for (const Misfit& misfit : fit.misfits) EXPECT_NE(misfit.kind, PartKind::kOdometry) << seed;
+  }
+}
+
 TYPED_TEST(GoodnessOfFitTest, CallsNothingAMisfitThatCautiousCovariancesAllow) {
   testing::ClosingWorld<TypeParam::value> world(100, 6);
   for (auto& observation : world.log.graph.feature_factors) observation.information /= 25.0;
