@@ -35,11 +35,10 @@ ClosureJudgement<Dim> judge(const Log<Dim>& log, const std::vector<std::size_t>&
                             const Gates& gates, const std::stop_token& stop);
 
 /// Flags the closures for the next map: the kept ones, those within the narrow gate, and those within the widest gate that are
-/// more likely right than wrong. A contradicted closure is one beyond the widest gate. How often what one measured would pass
-/// that gate in the place of another tells how many wrong closures pass it by chance: candidates are right if no more wrong
-/// ones than the confidence allows are to be expected so near the prediction. Otherwise a contradicted closure counts against a
-/// candidate if its measurement would pass the widest gate in the place of the candidate. All closures between the two gates
-/// that are kept, or that nothing counts against, count for every candidate; if there are none, nothing may count against it.
+/// more likely right than wrong. A contradicted closure (one beyond the widest gate) counts against a candidate if its
+/// measurement would pass the widest gate in the place of the candidate. All closures between the two gates that are kept, or
+/// that nothing counts against, count for every candidate; if there are none, nothing may count against it. Of many such right
+/// ones, a share of 1 - confidence may count against it where only measurements that would be as near as its own count.
 template <int Dim>
 std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures,
                                      const Gates& gates);

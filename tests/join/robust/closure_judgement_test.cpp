@@ -114,36 +114,40 @@ TYPED_TEST(FitsBeyondChanceTest, AsksThoseOnlyThatAreContradicted) {
             (std::vector{true, true, true, true}));
 }
 
-/// A hundred closures, evenly spread over the gate up to a chi2 of 20, and contradicted ones: all measured the same, which fits
-/// in the places of the hundred. The contradicted ones are predicted to lead far ahead, or nearly as measured.
+/// A hundred closures, evenly spread over the gate up to a chi2 of 20, beside `kept` ones between the gates and four hundred
+/// contradicted ones, whose measurements would have a chi2 of 10 in the places of the hundred.
 template <int Dim>
-std::vector<bool> fits_of_a_hundred(std::size_t contradicted, double predicted_there) {
-  constexpr std::size_t kOpen = 100;
-  const std::size_t count = kOpen + contradicted;
+std::vector<bool> fits_of_a_hundred(std::size_t kept) {
+  constexpr std::size_t kOpen = 100, kContradicted = 400;
+  const std::size_t count = kOpen + kept + kContradicted;
   ClosureJudgement<Dim> judgement{std::vector(count, Standing::kDropped), std::vector(count, 90.0), {}, {}};
   judgement.mismatches.resize(count, {{}, PoseMatrix<Dim>::Identity()});
   judgement.values.poses.resize(2 * count);
   std::vector<PoseFactor<Dim>> closures;
   for (std::size_t k = 0; k < count; ++k) {
     closures.push_back({PoseIndex(2 * k), PoseIndex(2 * k + 1), {}, PoseMatrix<Dim>::Identity()});
-    if (k < kOpen) judgement.chi2[k] = 0.2 * static_cast<double>(k + 1);
-    if (k >= kOpen) judgement.values.poses[PoseIndex(2 * k + 1)].translation[0] = predicted_there;
+    if (k < kOpen) {
+      judgement.chi2[k] = 0.2 * static_cast<double>(k + 1);
+    } else if (k < kOpen + kept) {
+      judgement.standing[k] = Standing::kKept;
+      judgement.chi2[k] = 20.0;
+    } else {
+      closures[k].measured.translation[0] = std::sqrt(10.0);
+    }
   }
   std::vector<bool> fits = fits_beyond_chance<Dim>(judgement, closures, {{25.0, 25.0}, {0.16, 1.0}, {}, 0.99});
   fits.resize(kOpen);
   return fits;
 }
 
-TYPED_TEST(FitsBeyondChanceTest, IsSoOfManyIfContradictedOnesWouldFitInNoneOfEachOthersPlaces) {
-  EXPECT_EQ(fits_of_a_hundred<TestFixture::kDim>(10, 100.0), std::vector(100, true));
+TYPED_TEST(FitsBeyondChanceTest, IsSoOfWhatIsNearerThanContradictedOnesWouldBeIfManyRightOnesAreFar) {
+  const std::vector<bool> fits = fits_of_a_hundred<TestFixture::kDim>(300);
+  for (std::size_t k = 0; k < fits.size(); ++k) EXPECT_EQ(fits[k], k < 50) << k;
 }
 
-TYPED_TEST(FitsBeyondChanceTest, IsNotSoFarOutIfContradictedOnesWouldFitInEachOthersPlaces) {
-  EXPECT_FALSE(fits_of_a_hundred<TestFixture::kDim>(10, 1.0).back());
-}
-
-TYPED_TEST(FitsBeyondChanceTest, IsNotSoFarOutIfTooFewAreContradictedToTellHowOftenTheyFitByChance) {
-  EXPECT_FALSE(fits_of_a_hundred<TestFixture::kDim>(1, 100.0).back());
+TYPED_TEST(FitsBeyondChanceTest, IsSoOnlyWithinTheNarrowGateIfFewRightOnesAreFar) {
+  const std::vector<bool> fits = fits_of_a_hundred<TestFixture::kDim>(90);
+  for (std::size_t k = 0; k < fits.size(); ++k) EXPECT_EQ(fits[k], k < 19) << k;
 }
 
 }  // namespace

@@ -128,6 +128,14 @@ TEST(PlantedGroupsData, GiveWayWhereTheyAreOutnumbered) {
   EXPECT_EQ(score.right_rejected, 0U);
 }
 
+/// Right closures fit a thousand times as closely as covariances say, and three of four wrong ones are within these.
+TEST(PlantedClosures3DData, AreFoundThoughMostAreNear) {
+  const auto log = log_in<3>(testing::data_file("pose-graphs-3d/parking-garage.g2o.gz"));
+  const Score score = PlantedClosures(log, ClosurePolicy::kRandom, 0.1).score();
+  EXPECT_EQ(score.wrong_kept, 0U);
+  EXPECT_EQ(score.right_rejected, 0U);
+}
+
 /// A wrong group passes each test with covariances as cautious as those of Intel, but does not fit as closely as loops say that
 /// right closures do.
 TEST(PlantedGroupsData, AreFoundWhereTheLogPassesItsTestsWithThem) {
