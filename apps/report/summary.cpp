@@ -208,6 +208,9 @@ void add_notes(const RunReport& run_report, Lines& lines) {
                           "features have their ids in several inputs and are")));
   note(!run_report.misfits.empty() && !run_report.robust,
        "what is out of line may be wrong, or the rest: --robust finds what is, and leaves it out of the map");
+  note(run_report.robust && is_too_certain(run_report.figures.fit),
+       "--robust judges by covariances that are too small: what is right may be rejected, too; without it the verdict says how "
+       "much larger residuals are than these say, for all measurements of a kind");
   note(has_misfit_of_priors(run_report),
        "the priors of all inputs are of one World: if those of each are in a frame of its own, keep them in one input only, or "
        "give them as FIX, which counts in one input only");

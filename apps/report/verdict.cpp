@@ -14,11 +14,6 @@ namespace {
 /// The most misfits shown in the summary; the report has more.
 constexpr std::size_t kMostShown = 5;
 
-/// True if covariances of a kind of measurements are too small.
-bool is_too_certain(const GoodnessOfFit& fit) {
-  return std::ranges::any_of(fit.kinds, &KindScale::is_too_certain);
-}
-
 /// The factors by which typical residuals are too large or, if none is, chi2 as a whole.
 std::string scales_in_words(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
@@ -39,6 +34,10 @@ std::string why_untested(const RunReport& run_report) {
 }
 
 }  // namespace
+
+bool is_too_certain(const GoodnessOfFit& fit) {
+  return std::ranges::any_of(fit.kinds, &KindScale::is_too_certain);
+}
 
 std::string name_of(const NamedMisfit& misfit) {
   const std::string to = std::visit([](const auto& id) { return to_string(id); }, misfit.to);

@@ -22,6 +22,9 @@ inline std::string session_text(const FeatureId&) {
   return "";
 }
 
+/// True if covariances of a kind of measurements are too small.
+bool is_too_certain(const GoodnessOfFit& fit);
+
 /// The name of a misfit: "closure from pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local
 /// map from pose 0", "fix of line 3 at pose 2", …
 std::string name_of(const NamedMisfit& misfit);

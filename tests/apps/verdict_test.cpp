@@ -105,6 +105,17 @@ TEST_F(VerdictTest, SaysWhatFindsAllThatIsWrong) {
   EXPECT_THAT(call({"run", kBundledLog}).out, Not(HasSubstr("--robust finds")));
 }
 
+TEST_F(VerdictTest, SaysThatRobustJoiningGoesByCovariancesThatAreTooSmall) {
+  const std::string path = (folder.path() / "noisy.g2o").string();
+  const std::string note = "note         --robust judges by covariances that are too small";
+  for (const std::string multiplier : {"1", "3"}) {
+    ASSERT_EQ(call({"simulate", "--poses", "500", "--noise-multiplier", multiplier, "-o", path, "--quiet"}).exit_code, 0);
+    std::ofstream(path, std::ios::app) << "EDGE_SE2 10 400 1 0 0 25 0 0 25 0 25\n";
+    EXPECT_EQ(call({"run", path, "--robust"}).out.find(note) != std::string::npos, multiplier == "3");
+    EXPECT_THAT(call({"run", path}).out, Not(HasSubstr(note)));
+  }
+}
+
 TEST_F(VerdictTest, SaysByHowMuchCovariancesAreTooSmall) {
   const std::string path = (folder.path() / "noisy.g2o").string();
   ASSERT_EQ(call({"simulate", "--poses", "500", "--noise-multiplier", "3", "-o", path, "--quiet"}).exit_code, 0);
