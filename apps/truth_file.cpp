@@ -261,7 +261,12 @@ Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
     return {by_count<Dim>(*trajectory, counted_.empty() ? poses : counted_, poses), no_features};
   }
   const auto* log = std::get_if<Log<Dim>>(&std::get<AnyLog>(content_));
-  if (!log) fail(ErrorKind::kUsage, fmt::format("{}: the truth is not in {}D, as the map is", path_, Dim));
+  if (!log) {
+    fail(ErrorKind::kUsage,
+         fmt::format("{}: the truth is not in {}D, as the map is; a trajectory of it (`mapjoin convert TRUTH "
+                     "TRUTH.tum`) is taken in either dimension",
+                     path_, Dim));
+  }
   return {poses_in(*log, poses, stamps_ns),
           takes_features_ ? by_name(log->features, log->initial.features, features) : no_features};
 }

@@ -122,7 +122,7 @@ void declare_simulate(Subcommand& command) {
   command.path("-o,--output", options->log, "LOG", "Write the log, as g2o", true);
   command.path("--truth", options->truth, "FILE",
                "Write the true map: .tum (poses only), .csv (features beside it), .mat, else g2o");
-  add_part(command, "Only the K-th of N parts, with the memory of one; the lines of all parts are those of the whole log",
+  add_part(command, "Only the K-th of N parts, with the memory of one; the edges of all parts are those of the whole log",
            [&world](std::size_t part, std::size_t parts) {
              world.part = static_cast<std::int64_t>(part);
              world.parts = static_cast<std::int64_t>(parts);

@@ -12,16 +12,12 @@ namespace {
 /// Pairs of poses of the map a span apart, within sessions; the path is that of the map, as evo takes it.
 template <int Dim>
 PosePairs pairs_of(const GlobalMap<Dim>& map, double span, const ErrorOptions& options) {
-  PosePairs pairs;
-  for (const auto& [begin, end] : sessions_by_name(map.pose_ids)) {
-    std::vector<Pose<Dim>> session;
-    for (PoseIndex p = begin; p < end; ++p) session.push_back(map.poses[p]);
-    const PosePairs here = options.unit == SpanUnit::kMetres
-                               ? pairs_by_path(session, span, options.pairs)
-                               : pairs_by_steps(session.size(), static_cast<std::size_t>(span), options.pairs);
-    for (const auto& [i, j] : here) pairs.emplace_back(begin.position() + i, begin.position() + j);
-  }
-  return pairs;
+  return pairs_within_sessions(map.pose_ids, [&](const Session& session) {
+    std::vector<Pose<Dim>> poses;
+    for (PoseIndex p = session.begin; p < session.end; ++p) poses.push_back(map.poses[p]);
+    return options.unit == SpanUnit::kMetres ? pairs_by_path(poses, span, options.pairs)
+                                             : pairs_by_steps(poses.size(), static_cast<std::size_t>(span), options.pairs);
+  });
 }
 
 std::string in_words(const ErrorSummary& errors, double scale, std::string_view unit) {

@@ -12,7 +12,14 @@
 namespace mapjoin {
 namespace {
 
-std::vector<std::size_t> spans_within(std::size_t poses) {
+std::size_t poses_of(const Session& session) {
+  return session.end.position() - session.begin.position();
+}
+
+/// The spans that are shorter than the longest session.
+std::vector<std::size_t> spans_within(const PoseIds& ids) {
+  std::size_t poses = 0;
+  for (const Session& session : sessions_by_name(ids)) poses = std::max(poses, poses_of(session));
   std::vector<std::size_t> spans;
   for (std::size_t power = 1; power < poses; power *= 10) {
     for (const std::size_t factor : {1U, 2U, 5U}) {
@@ -22,11 +29,14 @@ std::vector<std::size_t> spans_within(std::size_t poses) {
   return spans;
 }
 
-/// The relative errors over each span, `error_of` the pairs of poses that are so many steps apart.
+/// The relative errors over each span, `error_of` the pairs of poses of one session that are so many steps apart.
 template <typename ErrorOf>
-std::vector<PoseErrorSummary> span_errors(std::size_t poses, const std::vector<std::size_t>& spans, const ErrorOf& error_of) {
+std::vector<PoseErrorSummary> span_errors(const PoseIds& ids, const std::vector<std::size_t>& spans, const ErrorOf& error_of) {
   std::vector<PoseErrorSummary> errors;
-  for (const std::size_t span : spans) errors.push_back(error_of(pairs_by_steps(poses, span)));
+  for (const std::size_t span : spans) {
+    errors.push_back(
+        error_of(pairs_within_sessions(ids, [&](const Session& session) { return pairs_by_steps(poses_of(session), span); })));
+  }
   return errors;
 }
 
@@ -91,13 +101,12 @@ template <int Dim>
 void measure(const GlobalMap<Dim>& map, const GlobalMap<Dim>& best, const std::vector<std::size_t>& spans,
              const Truth<Dim>* truth, EstimateFigures& figures) {
   figures.from_best = map_difference(map, best);
-  const std::size_t poses = map.poses.size();
-  figures.best_spans =
-      span_errors(poses, spans, [&](const PosePairs& pairs) { return relative_pose_error(map.poses, best.poses, pairs); });
+  figures.best_spans = span_errors(map.pose_ids, spans,
+                                   [&](const PosePairs& pairs) { return relative_pose_error(map.poses, best.poses, pairs); });
   if (!truth) return;
-  figures.from_truth =
-      TruthDistance{absolute_errors(map, *truth).poses,
-                    span_errors(poses, spans, [&](const PosePairs& pairs) { return relative_errors(map, *truth, pairs); })};
+  figures.from_truth = TruthDistance{
+      absolute_errors(map, *truth).poses,
+      span_errors(map.pose_ids, spans, [&](const PosePairs& pairs) { return relative_errors(map, *truth, pairs); })};
 }
 
 }  // namespace
@@ -142,7 +151,7 @@ Expected<Comparison<Dim>> compare(const Log<Dim>& log, const ComparisonOptions<D
   const auto best = least_chi2(comparison.cases);
   if (!best) return bad_input("no case gives a map; the first: " + comparison.cases.front().failure);
   comparison.best = *best;
-  comparison.spans = spans_within(log.poses.size());
+  comparison.spans = spans_within(log.poses);
   const GlobalMap<Dim>& best_map = comparison.maps[*best].polished;
   const double least = comparison.cases[*best].polished.chi2;
   for (std::size_t k = 0; k < comparison.cases.size(); ++k) {

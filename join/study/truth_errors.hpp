@@ -6,6 +6,7 @@
 #include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>
 #include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/log.hpp>
 #include <optional>
 
 namespace mapjoin {
@@ -32,6 +33,17 @@ struct AbsoluteErrors {
 template <int Dim>
 AbsoluteErrors absolute_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth,
                                TrajectoryAlignment alignment = TrajectoryAlignment::kRigid);
+
+/// The pairs of poses of one session (sessions_by_name()): those that `pairs_of(session)` gives, counted from its first pose.
+template <typename PairsOf>
+PosePairs pairs_within_sessions(const PoseIds& poses, PairsOf&& pairs_of) {
+  PosePairs pairs;
+  for (const Session& session : sessions_by_name(poses)) {
+    const std::size_t first = session.begin.position();
+    for (const auto& [i, j] : pairs_of(session)) pairs.emplace_back(first + i, first + j);
+  }
+  return pairs;
+}
 
 /// The errors of the motions between pairs of poses of the map (relative_pose_error()), of the pairs both of whose poses the
 /// truth knows.

@@ -31,6 +31,7 @@ CurvatureFigures curvature_figures(const std::vector<double>& values) {
   const double tolerance = kCurvatureTolerance * largest;
   const double ends = std::max(std::abs(values.front()), std::abs(values.back()));
   const auto last = static_cast<double>(values.size() - 1);
+  const std::size_t reach = std::max<std::size_t>(1, (values.size() - 1) / kCurvatureParts);
   figures.points = values.size() - 2;
   for (std::size_t k = 1; k + 1 < values.size(); ++k) {
     const double lambda = static_cast<double>(k) / last;
@@ -39,7 +40,8 @@ CurvatureFigures curvature_figures(const std::vector<double>& values) {
       ++figures.violations;
       figures.largest_violation = std::max(figures.largest_violation, excess / ends);
     }
-    if (values[k - 1] - 2.0 * values[k] + values[k + 1] < -tolerance) ++figures.negative;
+    const std::size_t at = std::clamp(k, reach, values.size() - 1 - reach);
+    if (values[at - reach] - 2.0 * values[at] + values[at + reach] < -tolerance) ++figures.negative;
   }
   return figures;
 }

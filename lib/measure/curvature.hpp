@@ -17,7 +17,10 @@ struct CurvatureFigures {
   std::size_t points = 0;
   std::size_t violations = 0;      ///< Points at which (12), F(λX + (1-λ)Y) ≤ λF(X) + (1-λ)F(Y), does not hold.
   double largest_violation = 0.0;  ///< The largest excess of F over its chord, relative to the larger of its ends.
-  std::size_t negative = 0;        ///< Points with a negative second difference: negative curvature d²F/dλ².
+  /// Points with negative curvature d²F/dλ², by the second difference to the samples 1/kCurvatureParts of the segment away, or
+  /// next to it where these are farther: over less the tolerance would hide it. Near the ends the nearest point counts that has
+  /// both.
+  std::size_t negative = 0;
 
   double share_violated() const { return share(violations); }
   double share_negative() const { return share(negative); }
@@ -29,6 +32,7 @@ struct CurvatureFigures {
 };
 
 inline constexpr double kCurvatureTolerance = 1e-10;
+inline constexpr std::size_t kCurvatureParts = 100;
 
 /// The figures of one segment, from equally spaced samples; fewer than three have no inner points. A value that is NaN or +∞
 /// violates (12), and its neighbours have no curvature that counts.

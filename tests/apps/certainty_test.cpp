@@ -232,7 +232,10 @@ TEST_F(Certainty, ATruthThatDoesNotFitIsRefused) {
   simulate("2", "truth.g2o");
   const Ended other = call({"run", path("log.g2o"), "--truth", path("space.g2o")});
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_THAT(other.err, HasSubstr("the truth is not in 2D, as the map is"));
+  EXPECT_THAT(other.err,
+              HasSubstr("the truth is not in 2D, as the map is; a trajectory of it (`mapjoin convert TRUTH TRUTH.tum`)"));
+  ASSERT_EQ(call({"convert", path("space.g2o"), path("space.tum")}).exit_code, 0);
+  EXPECT_EQ(call({"run", path("log.g2o"), "--truth", path("space.tum")}).exit_code, 0);
   const Ended no_values = call({"run", path("log.g2o"), "--truth", path("log.g2o")});
   EXPECT_EQ(no_values.exit_code, 3);
   EXPECT_EQ(call({"run", path("log.g2o"), "--truth", path("nowhere.tum")}).exit_code, 3);

@@ -33,7 +33,9 @@ Expected<G2oOffsets> read_g2o_offsets(TextScanner text) {
     const Pose<3> robot_sensor = read_g2o_pose<3>(text);
     if (auto line = text.finish_line(); !line) return tl::unexpected(line.error());
     if (!offsets.emplace(key, robot_sensor).second) {
-      return text.error(place, fmt::format("sensor offset {} is given a second time", key));
+      return text.error(
+          place,
+          fmt::format("sensor offset {} is given a second time; two logs in one file are to be given as two files", key));
     }
   }
   return offsets;

@@ -123,6 +123,30 @@ TYPED_TEST(ComparisonOfASmallWorld, ATruthOfSomePosesCountsThoseOnly) {
   EXPECT_EQ(known.spans[3].translation.count, 0U);  // the span of 10
 }
 
+TYPED_TEST(ComparisonOfASmallWorld, RelativeErrorsAreWithinASession) {
+  constexpr int Dim = TypeParam::value;
+  Log<Dim>& log = this->world.log;
+  const std::size_t first = log.poses.size() / 3;
+  const std::size_t second = log.poses.size() - first;
+  for (PoseIndex p(first); p < PoseIndex(first + second); ++p) log.poses[p].session = 1;
+  put_in_order(log);
+  Truth<Dim> truth;
+  for (const auto& pose : this->world.truth.poses) truth.poses.emplace_back(pose);
+  truth.features.resize(log.features.size());
+  const auto comparison = this->compared(&truth);
+  ASSERT_TRUE(comparison) << comparison.error().message;
+  EXPECT_GT(comparison->spans.back(), first);
+  EXPECT_LT(comparison->spans.back(), second);
+  for (std::size_t k = 0; k < comparison->spans.size(); ++k) {
+    const std::size_t span = comparison->spans[k];
+    const std::size_t pairs = (span < first ? first - span : 0) + second - span;
+    for (const auto& figures : comparison->cases) {
+      EXPECT_EQ(figures.joined.best_spans[k].translation.count, pairs);
+      EXPECT_EQ(figures.polished.from_truth->spans[k].translation.count, pairs);
+    }
+  }
+}
+
 TYPED_TEST(ComparisonOfASmallWorld, EveryCaseIsAnnouncedInItsTurn) {
   constexpr int Dim = TypeParam::value;
   ComparisonOptions<Dim> options;

@@ -52,6 +52,13 @@ TEST(Curvature, OfACosineIsNegativeWhereTheCosineIsPositive) {
   EXPECT_NEAR(figures.share_negative(), 0.5, 0.02);
 }
 
+TEST(Curvature, IsTheSameHoweverManySamples) {
+  for (const std::size_t points : {101u, 1001u, 100'001u}) {
+    const auto values = sampled([](double x) { return 10.0 + 0.1 * std::cos(2.0 * std::numbers::pi * x); }, points);
+    EXPECT_NEAR(curvature_figures(values).share_negative(), 0.5, 0.02) << points;
+  }
+}
+
 TEST(Curvature, AllowsForRounding) {
   const auto rough = [](double noise) { return figures_of([=](double x) { return 1.0 + x + noise * std::sin(1e4 * x); }); };
   EXPECT_EQ(rough(1e-12).negative, 0u);
