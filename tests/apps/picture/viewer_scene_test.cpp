@@ -46,6 +46,19 @@ TEST_F(ViewerPage, FindsAPoseOfASession) {
   EXPECT_EQ(found["none"]["text"], "There is no pose 7 of session 1.");
 }
 
+TEST_F(ViewerPage, FindsAPoseByTheNameThatCommandsTake) {
+  apps::PlottedMap<2> plotted = two_poses();
+  plotted.map.pose_ids[0] = {7, 2};  // what numbers in words, whatever stands between, would take for 2:7
+  const Json found = found_on(apps::viewer_page<2>({{plotted}, std::nullopt}, "robots"),
+                              "{that: find('2:7'), named: find('pose:2:7'), none: find('1:7'), sign: find('-7'), "
+                              "fraction: find('2.7'), feature: find('feature:7')}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_THAT(found["that"]["tip"].get<std::string>(), HasSubstr("pose 7 of session 2"));
+  EXPECT_EQ(found["named"]["tip"], found["that"]["tip"]);
+  EXPECT_EQ(found["none"]["text"], "There is no pose 1:7.");
+  for (const std::string none : {"none", "sign", "fraction", "feature"}) EXPECT_FALSE(found[none]["isRinged"]) << none;
+}
+
 TEST_F(ViewerPage, NamesAndFindsGtsamSymbols) {
   apps::PlottedMap<2> plotted = two_poses();
   plotted.map.pose_ids[0] = {0, *parse_key("x17")};
