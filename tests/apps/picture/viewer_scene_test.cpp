@@ -95,5 +95,25 @@ TEST_F(ViewerPage, DrawsRejectedLinksApartAndDashed) {
   }
 }
 
+/// Three poses on a line of a session, two local maps.
+apps::PlottedMap<2> line_of_poses(const std::string& name) {
+  apps::PlottedMap<2> plotted;
+  plotted.name = name;
+  plotted.map.pose_ids = {{0, 1}, {0, 2}, {0, 3}};
+  plotted.map.poses = {{{0.0, 0.0}, {}}, {{4.0, 0.0}, {}}, {{8.0, 0.0}, {}}};
+  plotted.sessions = {{0, 3}};
+  plotted.local_maps = {{{0, 1, 1.0, 3}, {}}, {{1, 2, 1.0, 3}, {}}};
+  return plotted;
+}
+
+TEST_F(ViewerPage, DrawsATruthOfSinglePoses) {
+  const apps::PlottedMap<2> plotted = line_of_poses("map");
+  const Truth<2> truth = {{Pose<2>{{0.0, 2.0}, {}}, std::nullopt, Pose<2>{{8.0, 2.0}, {}}}, {}};
+  const Json found = found_on(apps::viewer_page<2>({{plotted}, truth}, "truth"), "{layers: switchLayers()}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_EQ(found["layers"][0]["name"], "truth");
+  EXPECT_TRUE(found["layers"][0]["changes"]);
+}
+
 }  // namespace
 }  // namespace mapjoin::testing
