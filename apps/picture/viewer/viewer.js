@@ -148,7 +148,7 @@ class Viewer {
     const tip = document.getElementById("tip");
     tip.hidden = !found;
     if (!found) return;
-    tell(this.scene, this.localMapOf, found, tip);
+    tell(this.scene, this.localMapOf, this.mapWithLocalMaps, found, tip);
     placeTip(tip, x, y);
   }
 

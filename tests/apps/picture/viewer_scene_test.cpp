@@ -115,5 +115,15 @@ TEST_F(ViewerPage, DrawsATruthOfSinglePoses) {
   EXPECT_TRUE(found["layers"][0]["changes"]);
 }
 
+TEST_F(ViewerPage, OffersOnlyLocalMapsThatAClickPicks) {
+  apps::PlottedMap<2> second = line_of_poses("second");
+  for (Pose<2>& pose : second.map.poses) pose.translation.y() += 6.0;
+  const Json found = found_on(apps::viewer_page<2>({{line_of_poses("first"), second}, std::nullopt}, "two"),
+                              "{first: tipOver(4, 0), second: tipOver(4, 6)}");
+  EXPECT_THAT(found["first"].get<std::string>(), AllOf(HasSubstr("first"), HasSubstr("local map 2, click to pick it")));
+  EXPECT_THAT(found["second"].get<std::string>(),
+              AllOf(HasSubstr("second"), HasSubstr("local map 2"), Not(HasSubstr("click"))));
+}
+
 }  // namespace
 }  // namespace mapjoin::testing
