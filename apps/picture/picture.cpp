@@ -30,6 +30,7 @@ class Sheet {
       if (!layer.is_framed) continue;
       for (const FlatLine& line : layer.lines) extend(line);
       extend(layer.marks);
+      for (const Ellipse& e : layer.ellipses) extend(e);
     }
     if (box_.isEmpty()) box_.extend(Point<2>::Zero().eval());
     if (box_.sizes().maxCoeff() < 1e-6) {
@@ -49,6 +50,10 @@ class Sheet {
  private:
   void extend(const std::vector<Point<2>>& points) {
     for (const Point<2>& p : points) box_.extend(p);
+  }
+  void extend(const Ellipse& e) {
+    const Point<2> half = (Rotation<2>(e.angle).matrix() * e.half_axes.asDiagonal()).rowwise().norm();
+    box_.extend(e.centre - half).extend(e.centre + half);
   }
 
   Eigen::AlignedBox2d box_;

@@ -4,6 +4,7 @@
 
 #include <apps/picture/picture.hpp>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 #include <tests/apps/command.hpp>
 
@@ -89,6 +90,15 @@ TEST(Picture, HoldsWhatIsFramedAndCutsTheRest) {
   far.is_framed = false;
   EXPECT_EQ(scale_of(picture({far, near})), alone);
 }
+
+TEST(Picture, HoldsItsEllipses) {
+  Layer layer = line("path", "red", {{0.0, 0.0}, {8.0, 0.0}});
+  layer.ellipses = {{{8.0, 0.0}, {4.0, 1.0}, std::numbers::pi / 2.0}};
+  const std::string svg = picture({layer}, 980.0);
+  EXPECT_THAT(svg, HasSubstr("M40.0,440.0 840.0,440.0"));  // from -4 to 4 m across the path, and 1 m beyond its end
+  EXPECT_THAT(svg, HasSubstr("<svg width=\"980\" height=\"880.0\">"));
+}
+
 
 TEST(Picture, OfNothingIsOneMetre) {
   const std::string svg = picture({line("still", "red", FlatLine(3, Point<2>::Zero()))});
