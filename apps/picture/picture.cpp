@@ -136,27 +136,37 @@ const char* dashes(const Layer& layer) {
   return layer.is_dashed ? " stroke-dasharray=\"6 3\"" : "";
 }
 
+double radius(Mark mark) {
+  return mark == Mark::kDot ? 2.2 : mark == Mark::kRing ? 4.5 : 1.5;
+}
+
+/// What a pen with a round tip draws; "" if that is nothing.
+std::string strokes(const std::string& way, const std::string& colour, double width, const char* dashes) {
+  if (way.empty()) return "";
+  return fmt::format(
+      "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\" "
+      "stroke-linecap=\"round\"{}/>\n",
+      way, colour, width, dashes);
+}
+
 std::string lines_of(const Sheet& sheet, const Layer& layer) {
   const std::vector<FlatLine> lines = lines_on(sheet, layer.lines);
   const auto colours = std::min(layer.colours.size(), lines.size());
   std::string svg;
   for (std::size_t c = 0; c < colours; ++c) {
-    svg += "<path d=\"";
+    std::string way;
+    std::string dots;  // lines of one point
     for (std::size_t k = c; k < lines.size(); k += layer.colours.size()) {
+      std::string& drawn = lines[k].size() == 1 ? dots : way;
       for (std::size_t p = 0; p < lines[k].size(); ++p) {
-        svg += fmt::format("{}{:.1f},{:.1f}", p == 0 ? "M" : " ", lines[k][p].x(), lines[k][p].y());
+        drawn += fmt::format("{}{:.1f},{:.1f}", p == 0 ? "M" : " ", lines[k][p].x(), lines[k][p].y());
       }
-      if (lines[k].size() == 1) svg += "h0";  // with round ends a dot
+      if (lines[k].size() == 1) drawn += "h0";
     }
-    svg += fmt::format(
-        "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"{}/>\n",
-        layer.colours[c], layer.width, dashes(layer));
+    svg += strokes(way, layer.colours[c], layer.width, dashes(layer)) +
+           strokes(dots, layer.colours[c], std::max(layer.width, 2.0 * radius(Mark::kDot)), "");
   }
   return svg;
-}
-
-double radius(Mark mark) {
-  return mark == Mark::kDot ? 2.2 : mark == Mark::kRing ? 4.5 : 1.5;
 }
 
 std::string paint(const Layer& layer, bool is_outline) {

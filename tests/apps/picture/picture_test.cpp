@@ -41,6 +41,15 @@ TEST(Picture, DrawsEveryLayerOverTheOneBefore) {
   EXPECT_EQ(count_of(svg, "r=\"4.5\""), 3U);
 }
 
+TEST(Picture, SinglePosesOfADashedPathAreWholeDotsBesideIt) {
+  Layer layer{"", {"red"}, {{{0.0, 0.0}}, {{1.0, 0.0}, {4.0, 0.0}}}, {}, {}};
+  layer.is_dashed = true;
+  const std::string svg = picture({layer}, 480.0);
+  EXPECT_EQ(count_of(svg, "stroke-dasharray"), 1U);
+  EXPECT_THAT(svg, HasSubstr("d=\"M40.0,40.0h0\""));
+}
+
+
 TEST(Picture, LinesOfALayerTakeItsColoursInTurn) {
   const Layer layer{"", {"red", "blue"}, {{{0, 0}, {1, 0}}, {{1, 0}, {2, 0}}, {{2, 0}, {4, 0}}}, {}, {}};
   const std::string svg = picture({layer}, 480.0);
@@ -108,7 +117,7 @@ TEST(Picture, OfNothingIsOneMetre) {
 
 TEST(Picture, APathOfOnePoseIsADot) {
   const std::string svg = picture({line("one", "red", {{0.0, 0.0}}), line("far", "blue", {{-1.0, 0.0}, {1.0, 0.0}})}, 480.0);
-  EXPECT_THAT(svg, HasSubstr("<path d=\"M240.0,40.0h0\" fill=\"none\" stroke=\"red\""));
+  EXPECT_THAT(svg, HasSubstr("<path d=\"M240.0,40.0h0\" fill=\"none\" stroke=\"red\" stroke-width=\"4.4\""));
   EXPECT_THAT(svg, HasSubstr("stroke-linecap=\"round\""));
 }
 
