@@ -14,6 +14,7 @@ namespace mapjoin::apps {
 namespace {
 
 constexpr double kMargin = 40.0;             // in pixels, as all lengths here
+constexpr double kLeastWidth = 520.0;        // of a sheet, for the legend
 constexpr double kLine = 22.0;               // height of a line of the legend, below the drawing
 constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn
 constexpr std::size_t kMostPoints = 10'000;  // of all lines of a layer, of its marks, of its ellipses
@@ -42,7 +43,7 @@ class Sheet {
   Point<2> at(const Point<2>& p) const {
     return {kMargin + (p.x() - box_.min().x()) * scale_, kMargin + (box_.max().y() - p.y()) * scale_};
   }
-  double width() const { return std::max(2.0 * kMargin + box_.sizes().x() * scale_, 420.0); }
+  double width() const { return std::max(2.0 * kMargin + box_.sizes().x() * scale_, kLeastWidth); }
   double height() const { return 2.0 * kMargin + box_.sizes().y() * scale_; }
   double pixels_per_metre() const { return scale_; }
   double metres_across() const { return (width() - 2.0 * kMargin) / scale_; }
@@ -226,10 +227,21 @@ std::string sample(const Layer& layer, double x, double y) {
   return svg;
 }
 
-/// The number of characters: continuation bytes of UTF-8 do not count.
-double letters(std::string_view text) {
-  return static_cast<double>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+/// Where the characters of a text begin: all but continuation bytes of UTF-8.
+std::vector<std::size_t> characters(std::string_view text) {
+  std::vector<std::size_t> begins;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if ((static_cast<unsigned char>(text[k]) & 0xC0U) != 0x80U) begins.push_back(k);
+  }
+  return begins;
+}
+
+/// The text without its middle if it is wider than `width`.
+std::string shortened(const std::string& text, double width) {
+  const std::vector<std::size_t> begins = characters(text);
+  const auto most = static_cast<std::size_t>(std::max(width / kLetter, 3.0));
+  if (begins.size() <= most) return text;
+  return text.substr(0, begins[most / 2]) + "…" + text.substr(begins[begins.size() - (most - 1) / 2]);
 }
 
 /// Scale and legend, and the height of the whole picture.
@@ -250,13 +262,14 @@ Footer footer(const Sheet& sheet, const std::vector<Layer>& layers) {
   double x = first;
   for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
     if (layer->name.empty()) continue;
-    const double width = kSample + 28.0 + kLetter * letters(layer->name);
+    const std::string name = shortened(layer->name, sheet.width() - first - kSample - 28.0);
+    const double width = kSample + 28.0 + kLetter * static_cast<double>(characters(name).size());
     if (x > first && x + width > sheet.width()) {
       x = first;
       y += kLine;
     }
     footer.svg += sample(*layer, x, y + 3.0) +
-                  fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + kSample + 7.0, y + 8.0, escaped(layer->name));
+                  fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + kSample + 7.0, y + 8.0, escaped(name));
     x += width;
   }
   footer.height = y + 38.0;

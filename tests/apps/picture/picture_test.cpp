@@ -49,6 +49,17 @@ TEST(Picture, SinglePosesOfADashedPathAreWholeDotsBesideIt) {
   EXPECT_THAT(svg, HasSubstr("d=\"M40.0,40.0h0\""));
 }
 
+TEST(Picture, ALegendShortensNamesThatAreWiderThanThePicture) {
+  const std::string long_name = "first" + std::string(500, '-') + "läst";
+  const std::string svg =
+      picture({line(long_name, "red", spiral(20)), line("3σ of features (capped at the map's size)", "blue", {})});
+  EXPECT_THAT(svg, HasSubstr(">first--"));
+  EXPECT_THAT(svg, HasSubstr("-…-"));
+  EXPECT_THAT(svg, HasSubstr("--läst</text>"));
+  EXPECT_THAT(svg, Not(HasSubstr(std::string(140, '-'))));
+  const std::string narrow = picture({line("3σ of features (capped at the map's size)", "red", {{0.0, 0.0}, {0.0, 9.0}})});
+  EXPECT_THAT(narrow, HasSubstr(">3σ of features (capped at the map's size)</text>"));
+}
 
 TEST(Picture, LinesOfALayerTakeItsColoursInTurn) {
   const Layer layer{"", {"red", "blue"}, {{{0, 0}, {1, 0}}, {{1, 0}, {2, 0}}, {{2, 0}, {4, 0}}}, {}, {}};
@@ -107,7 +118,6 @@ TEST(Picture, HoldsItsEllipses) {
   EXPECT_THAT(svg, HasSubstr("M40.0,440.0 840.0,440.0"));  // from -4 to 4 m across the path, and 1 m beyond its end
   EXPECT_THAT(svg, HasSubstr("<svg width=\"980\" height=\"880.0\">"));
 }
-
 
 TEST(Picture, OfNothingIsOneMetre) {
   const std::string svg = picture({line("still", "red", FlatLine(3, Point<2>::Zero()))});
