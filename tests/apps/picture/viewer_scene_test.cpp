@@ -115,6 +115,16 @@ TEST_F(ViewerPage, DrawsATruthOfSinglePoses) {
   EXPECT_TRUE(found["layers"][0]["changes"]);
 }
 
+TEST_F(ViewerPage, MovesAndZoomsByKeys) {
+  const Json found = found_on(apps::viewer_page<2>({{line_of_poses("map")}, std::nullopt}, "keys"),
+                              "{left: press(1, {keyCode: 37}), nearer: press(1, {key: '+'}), farther: press(1, {key: '-'})}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_NEAR(found["left"]["after"][0].get<double>() - found["left"]["before"][0].get<double>(), 40.0, 0.5) << "pixels";
+  EXPECT_NEAR(found["nearer"]["share"], 1.25, 1e-9);
+  EXPECT_NEAR(found["farther"]["share"], 0.8, 1e-9);
+  EXPECT_NEAR(found["farther"]["after"][0], found["nearer"]["before"][0], 0.5);
+}
+
 TEST_F(ViewerPage, OffersOnlyLocalMapsThatAClickPicks) {
   apps::PlottedMap<2> second = line_of_poses("second");
   for (Pose<2>& pose : second.map.poses) pose.translation.y() += 6.0;
