@@ -46,8 +46,9 @@ std::string lost_weights_in_words(const JoiningSystem<Dim>& system, double exten
   constexpr double kFarApart = 1e12;
   const auto [least, largest] = weights_of(system, extent);
   if (!(largest.of_extent > kFarApart * least.of_extent)) return "";
-  return fmt::format("; weights from {:.2g} to {:.2g} are too far apart to be added: bring them closer together", least.value,
-                     largest.value);
+  return fmt::format(
+      "; weights from {:.2g} to {:.2g} are too far apart to be added in a map of {:.2g} m: bring them closer together",
+      least.value, largest.value, extent);
 }
 
 /// The cost vᵀJᵀWJv of a direction v, summed factor by factor, how much of it may be rounding, and its gradient JᵀWJv.

@@ -14,6 +14,7 @@ namespace mapjoin::apps {
 namespace {
 
 constexpr double kMargin = 40.0;             // in pixels, as all lengths here
+constexpr double kLeastWidth = 520.0;        // of a sheet, for the legend
 constexpr double kLine = 22.0;               // height of a line of the legend, below the drawing
 constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn
 constexpr std::size_t kMostPoints = 10'000;  // of all lines of a layer, of its marks, of its ellipses
@@ -30,6 +31,7 @@ class Sheet {
       if (!layer.is_framed) continue;
       for (const FlatLine& line : layer.lines) extend(line);
       extend(layer.marks);
+      for (const Ellipse& e : layer.ellipses) extend(e);
     }
     if (box_.isEmpty()) box_.extend(Point<2>::Zero().eval());
     if (box_.sizes().maxCoeff() < 1e-6) {
@@ -41,7 +43,7 @@ class Sheet {
   Point<2> at(const Point<2>& p) const {
     return {kMargin + (p.x() - box_.min().x()) * scale_, kMargin + (box_.max().y() - p.y()) * scale_};
   }
-  double width() const { return std::max(2.0 * kMargin + box_.sizes().x() * scale_, 420.0); }
+  double width() const { return std::max(2.0 * kMargin + box_.sizes().x() * scale_, kLeastWidth); }
   double height() const { return 2.0 * kMargin + box_.sizes().y() * scale_; }
   double pixels_per_metre() const { return scale_; }
   double metres_across() const { return (width() - 2.0 * kMargin) / scale_; }
@@ -49,6 +51,10 @@ class Sheet {
  private:
   void extend(const std::vector<Point<2>>& points) {
     for (const Point<2>& p : points) box_.extend(p);
+  }
+  void extend(const Ellipse& e) {
+    const Point<2> half = (Rotation<2>(e.angle).matrix() * e.half_axes.asDiagonal()).rowwise().norm();
+    box_.extend(e.centre - half).extend(e.centre + half);
   }
 
   Eigen::AlignedBox2d box_;
@@ -131,27 +137,37 @@ const char* dashes(const Layer& layer) {
   return layer.is_dashed ? " stroke-dasharray=\"6 3\"" : "";
 }
 
+double radius(Mark mark) {
+  return mark == Mark::kDot ? 2.2 : mark == Mark::kRing ? 4.5 : 1.5;
+}
+
+/// What a pen with a round tip draws; "" if that is nothing.
+std::string strokes(const std::string& way, const std::string& colour, double width, const char* dashes) {
+  if (way.empty()) return "";
+  return fmt::format(
+      "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\" "
+      "stroke-linecap=\"round\"{}/>\n",
+      way, colour, width, dashes);
+}
+
 std::string lines_of(const Sheet& sheet, const Layer& layer) {
   const std::vector<FlatLine> lines = lines_on(sheet, layer.lines);
   const auto colours = std::min(layer.colours.size(), lines.size());
   std::string svg;
   for (std::size_t c = 0; c < colours; ++c) {
-    svg += "<path d=\"";
+    std::string way;
+    std::string dots;  // lines of one point
     for (std::size_t k = c; k < lines.size(); k += layer.colours.size()) {
+      std::string& drawn = lines[k].size() == 1 ? dots : way;
       for (std::size_t p = 0; p < lines[k].size(); ++p) {
-        svg += fmt::format("{}{:.1f},{:.1f}", p == 0 ? "M" : " ", lines[k][p].x(), lines[k][p].y());
+        drawn += fmt::format("{}{:.1f},{:.1f}", p == 0 ? "M" : " ", lines[k][p].x(), lines[k][p].y());
       }
-      if (lines[k].size() == 1) svg += "h0";  // with round ends a dot
+      if (lines[k].size() == 1) drawn += "h0";
     }
-    svg += fmt::format(
-        "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"{}/>\n",
-        layer.colours[c], layer.width, dashes(layer));
+    svg += strokes(way, layer.colours[c], layer.width, dashes(layer)) +
+           strokes(dots, layer.colours[c], std::max(layer.width, 2.0 * radius(Mark::kDot)), "");
   }
   return svg;
-}
-
-double radius(Mark mark) {
-  return mark == Mark::kDot ? 2.2 : mark == Mark::kRing ? 4.5 : 1.5;
 }
 
 std::string paint(const Layer& layer, bool is_outline) {
@@ -211,10 +227,21 @@ std::string sample(const Layer& layer, double x, double y) {
   return svg;
 }
 
-/// The number of characters: continuation bytes of UTF-8 do not count.
-double letters(std::string_view text) {
-  return static_cast<double>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+/// Where the characters of a text begin: all but continuation bytes of UTF-8.
+std::vector<std::size_t> characters(std::string_view text) {
+  std::vector<std::size_t> begins;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if ((static_cast<unsigned char>(text[k]) & 0xC0U) != 0x80U) begins.push_back(k);
+  }
+  return begins;
+}
+
+/// The text without its middle if it is wider than `width`.
+std::string shortened(const std::string& text, double width) {
+  const std::vector<std::size_t> begins = characters(text);
+  const auto most = static_cast<std::size_t>(std::max(width / kLetter, 3.0));
+  if (begins.size() <= most) return text;
+  return text.substr(0, begins[most / 2]) + "…" + text.substr(begins[begins.size() - (most - 1) / 2]);
 }
 
 /// Scale and legend, and the height of the whole picture.
@@ -235,13 +262,14 @@ Footer footer(const Sheet& sheet, const std::vector<Layer>& layers) {
   double x = first;
   for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
     if (layer->name.empty()) continue;
-    const double width = kSample + 28.0 + kLetter * letters(layer->name);
+    const std::string name = shortened(layer->name, sheet.width() - first - kSample - 28.0);
+    const double width = kSample + 28.0 + kLetter * static_cast<double>(characters(name).size());
     if (x > first && x + width > sheet.width()) {
       x = first;
       y += kLine;
     }
     footer.svg += sample(*layer, x, y + 3.0) +
-                  fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + kSample + 7.0, y + 8.0, escaped(layer->name));
+                  fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + kSample + 7.0, y + 8.0, escaped(name));
     x += width;
   }
   footer.height = y + 38.0;

@@ -78,15 +78,17 @@ function covarianceTable(P, names) {
   return table;
 }
 
-/// Fills the tip with the name, the place, the local map and the covariance of a pose or feature.
-function tell(scene, localMapOf, found, tip) {
+/// Fills the tip with the name, the place, the local map and the covariance of a pose or feature; local maps of the map
+/// `pickable` can be picked.
+function tell(scene, localMapOf, pickable, found, tip) {
   const { map, kind, index } = found;
   const isPose = kind === "poses";
   const lines = [element("strong", isPose ? poseName(map, index) : featureName(map, index))];
   if (scene.maps.length > 1) lines.push(element("div", map.name, "quiet"));
   lines.push(element("div", placeInWords(scene, found)));
   const localMap = isPose ? localMapOf.get(map)[index] : -1;
-  if (localMap >= 0) lines.push(element("div", `local map ${localMap + 1}, click to pick it`, "quiet"));
+  const picking = map === pickable ? ", click to pick it" : "";
+  if (localMap >= 0) lines.push(element("div", `local map ${localMap + 1}${picking}`, "quiet"));
   const P = covarianceOf(scene, found);
   if (P) {
     const names = isPose ? kPoseNames[scene.dimension] : ["x", "y", "z"].slice(0, scene.dimension);

@@ -187,7 +187,8 @@ function layersOfMap(scene, m, theme) {
     .map((layer, k) => ({ isOn: true, tells: null, map, heading, order: top - k, ...layer }));
 }
 
-/// The layer of the truth of the first map, below all maps: its path, and rings where features truly are; none without a truth.
+/// The layer of the truth of the first map, below all maps: its path, dots at poses that are known alone, and
+/// rings where features truly are; none without a truth.
 function truthLayers(scene, theme) {
   if (!scene.truth) return [];
   const { poses, features } = scene.truth;
@@ -197,13 +198,10 @@ function truthLayers(scene, theme) {
     const group = new THREE.Group();
     const sessionOf = sessionOfPoses(map);
     const sequence = Array.from(sessionOf.keys());
-    group.add(
-      wideLines(
-        segmentEnds(poses, sequence, (k) => sessionOf[k - 1] === sessionOf[k]),
-        null,
-        { colour: ink, width: 1.4, order },
-      ),
-    );
+    const isStep = (k) => sessionOf[k - 1] === sessionOf[k] && !Number.isNaN(poses[3 * k - 3] + poses[3 * k]);
+    group.add(wideLines(segmentEnds(poses, sequence, isStep), null, { colour: ink, width: 1.4, order }));
+    const alone = sequence.filter((k) => !Number.isNaN(poses[3 * k]) && !isStep(k) && !isStep(k + 1));
+    group.add(dots(placesOf(poses, alone), { colour: ink, size: 6, order }));
     const known = [];
     for (let f = 0; f < features.length / 3; ++f) if (!Number.isNaN(features[3 * f])) known.push(f);
     group.add(dots(placesOf(features, known), { colour: ink, size: 12, order: order + 1, hole: 0.75 }));

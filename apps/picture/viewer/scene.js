@@ -93,14 +93,17 @@ function poseName(map, pose) {
   return `pose ${keyText(map.poseKeys[pose])}` + (robot === 0 ? "" : ` of session ${robot}`);
 }
 
-/// The first pose of an id in words, as "17", "a17" or "17 of session 2": its map and index; undefined if there is none.
+/// The first pose of an id in words, as "17", "a17", "17 of session 2" or, as commands have it, "2:17": its map and index;
+/// undefined if there is none.
 function poseOfId(scene, words) {
-  const found = words.match(/\b[a-zA-Z]?\d+\b/g);
+  const found = words.match(/^(?:pose[\s:]*)?(?:(\d+):)?([a-z]?\d+)(?:\s+of\s+session\s+(\d+))?$/i);
   if (!found) return undefined;
-  const [id, robot] = found.map(keyOf);
-  const isOfRobot = (map, pose) => robot === undefined || BigInt(robotOf(map, pose)) === robot;
+  const [, before, id, behind] = found;
+  const wanted = keyOf(id);
+  const sessions = [before, behind].filter((word) => word !== undefined).map(Number);
+  const isOfThem = (map, pose) => sessions.every((session) => robotOf(map, pose) === session);
   for (const map of scene.maps) {
-    const index = map.poseKeys.findIndex((key, pose) => key === id && isOfRobot(map, pose));
+    const index = map.poseKeys.findIndex((key, pose) => key === wanted && isOfThem(map, pose));
     if (index >= 0) return { kind: "poses", map, index };
   }
   return undefined;

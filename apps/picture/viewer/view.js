@@ -6,6 +6,7 @@ const kSlowFrame = 50; // ms
 const kFastFrame = 40; // ms
 const kLeastShare = 0.01;
 const kRest = 200; // ms without a move
+const kZoomKeys = { "+": 1.25, "=": 1.25, "-": 0.8 };
 
 class View {
   constructor(canvas, scene) {
@@ -31,6 +32,7 @@ class View {
     controls.screenSpacePanning = true;
     controls.enableRotate = this.dimension === 3;
     controls.zoomSpeed = 1.6;
+    controls.keyPanSpeed = 40; // pixels
     if (this.dimension === 2) {
       controls.mouseButtons = { LEFT: THREE.MOUSE.PAN, MIDDLE: THREE.MOUSE.DOLLY, RIGHT: THREE.MOUSE.PAN };
       controls.touches = { ONE: THREE.TOUCH.PAN, TWO: THREE.TOUCH.DOLLY_PAN };
@@ -39,6 +41,16 @@ class View {
     this.controls = controls;
     // Keeps what is under the pointer there: the controls zoom about the middle, and this listener comes after theirs.
     this.canvas.addEventListener("wheel", (event) => this.keepUnder(event.clientX, event.clientY));
+    this.canvas.addEventListener("keydown", ({ key, ctrlKey, metaKey }) => {
+      if (key in kZoomKeys && !ctrlKey && !metaKey) this.zoomBy(kZoomKeys[key]);
+    });
+  }
+
+  /// Zooms about the middle of what the panel leaves free.
+  zoomBy(factor) {
+    this.camera.zoom *= factor;
+    this.camera.updateProjectionMatrix();
+    this.keepUnder((window.innerWidth + this.panelWidth()) / 2, window.innerHeight / 2);
   }
 
   keepUnder(x, y) {

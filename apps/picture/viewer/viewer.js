@@ -134,7 +134,7 @@ class Viewer {
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
     const moving = this.scene.dimension === 2 ? "Drag to move" : "Drag to rotate, right-drag to move";
     const picking = this.mapWithLocalMaps ? ", click to pick a local map" : "";
-    document.getElementById("help").textContent = `${moving}, wheel to zoom${picking}.`;
+    document.getElementById("help").textContent = `${moving}, wheel to zoom${picking}. With keys: Tab to the map, arrows to move, + and - to zoom.`;
   }
 
   hover(event) {
@@ -148,7 +148,7 @@ class Viewer {
     const tip = document.getElementById("tip");
     tip.hidden = !found;
     if (!found) return;
-    tell(this.scene, this.localMapOf, found, tip);
+    tell(this.scene, this.localMapOf, this.mapWithLocalMaps, found, tip);
     placeTip(tip, x, y);
   }
 

@@ -4,6 +4,7 @@
 
 #include <apps/picture/picture.hpp>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 #include <tests/apps/command.hpp>
 
@@ -38,6 +39,26 @@ TEST(Picture, DrawsEveryLayerOverTheOneBefore) {
   EXPECT_LT(svg.find("second</text>"), svg.find("first &amp; last</text>"));
   EXPECT_EQ(count_of(svg, "</text>"), 3U);  // scale and two names: a layer without one is not in the legend
   EXPECT_EQ(count_of(svg, "r=\"4.5\""), 3U);
+}
+
+TEST(Picture, SinglePosesOfADashedPathAreWholeDotsBesideIt) {
+  Layer layer{"", {"red"}, {{{0.0, 0.0}}, {{1.0, 0.0}, {4.0, 0.0}}}, {}, {}};
+  layer.is_dashed = true;
+  const std::string svg = picture({layer}, 480.0);
+  EXPECT_EQ(count_of(svg, "stroke-dasharray"), 1U);
+  EXPECT_THAT(svg, HasSubstr("d=\"M40.0,40.0h0\""));
+}
+
+TEST(Picture, ALegendShortensNamesThatAreWiderThanThePicture) {
+  const std::string long_name = "first" + std::string(500, '-') + "läst";
+  const std::string svg =
+      picture({line(long_name, "red", spiral(20)), line("3σ of features (capped at the map's size)", "blue", {})});
+  EXPECT_THAT(svg, HasSubstr(">first--"));
+  EXPECT_THAT(svg, HasSubstr("-…-"));
+  EXPECT_THAT(svg, HasSubstr("--läst</text>"));
+  EXPECT_THAT(svg, Not(HasSubstr(std::string(140, '-'))));
+  const std::string narrow = picture({line("3σ of features (capped at the map's size)", "red", {{0.0, 0.0}, {0.0, 9.0}})});
+  EXPECT_THAT(narrow, HasSubstr(">3σ of features (capped at the map's size)</text>"));
 }
 
 TEST(Picture, LinesOfALayerTakeItsColoursInTurn) {
@@ -90,6 +111,14 @@ TEST(Picture, HoldsWhatIsFramedAndCutsTheRest) {
   EXPECT_EQ(scale_of(picture({far, near})), alone);
 }
 
+TEST(Picture, HoldsItsEllipses) {
+  Layer layer = line("path", "red", {{0.0, 0.0}, {8.0, 0.0}});
+  layer.ellipses = {{{8.0, 0.0}, {4.0, 1.0}, std::numbers::pi / 2.0}};
+  const std::string svg = picture({layer}, 980.0);
+  EXPECT_THAT(svg, HasSubstr("M40.0,440.0 840.0,440.0"));  // from -4 to 4 m across the path, and 1 m beyond its end
+  EXPECT_THAT(svg, HasSubstr("<svg width=\"980\" height=\"880.0\">"));
+}
+
 TEST(Picture, OfNothingIsOneMetre) {
   const std::string svg = picture({line("still", "red", FlatLine(3, Point<2>::Zero()))});
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
@@ -98,7 +127,7 @@ TEST(Picture, OfNothingIsOneMetre) {
 
 TEST(Picture, APathOfOnePoseIsADot) {
   const std::string svg = picture({line("one", "red", {{0.0, 0.0}}), line("far", "blue", {{-1.0, 0.0}, {1.0, 0.0}})}, 480.0);
-  EXPECT_THAT(svg, HasSubstr("<path d=\"M240.0,40.0h0\" fill=\"none\" stroke=\"red\""));
+  EXPECT_THAT(svg, HasSubstr("<path d=\"M240.0,40.0h0\" fill=\"none\" stroke=\"red\" stroke-width=\"4.4\""));
   EXPECT_THAT(svg, HasSubstr("stroke-linecap=\"round\""));
 }
 

@@ -86,6 +86,16 @@ function drag(pose, dx, dy) {
   return { before, after: pixelsOf(pose) };
 }
 
+/// The places of a pose before and after a key is pressed on the map, which is reached by Tab; the ratio of the zooms.
+function press(pose, init) {
+  const { canvas, camera } = viewer.view;
+  const before = pixelsOf(pose);
+  const { zoom } = camera;
+  canvas.focus();
+  document.activeElement.dispatchEvent(new KeyboardEvent("keydown", { bubbles: true, cancelable: true, ...init }));
+  return { before, after: pixelsOf(pose), share: camera.zoom / zoom };
+}
+
 const median = (values) => values.slice().sort((a, b) => a - b)[values.length >> 1];
 
 /// The time of a frame (ms) and its numbers of items at rest, and in motion after twenty frames that took 200 ms; and whether

@@ -46,6 +46,19 @@ TEST_F(ViewerPage, FindsAPoseOfASession) {
   EXPECT_EQ(found["none"]["text"], "There is no pose 7 of session 1.");
 }
 
+TEST_F(ViewerPage, FindsAPoseByTheNameThatCommandsTake) {
+  apps::PlottedMap<2> plotted = two_poses();
+  plotted.map.pose_ids[0] = {7, 2};  // what numbers in words, whatever stands between, would take for 2:7
+  const Json found = found_on(apps::viewer_page<2>({{plotted}, std::nullopt}, "robots"),
+                              "{that: find('2:7'), named: find('pose:2:7'), none: find('1:7'), sign: find('-7'), "
+                              "fraction: find('2.7'), feature: find('feature:7')}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_THAT(found["that"]["tip"].get<std::string>(), HasSubstr("pose 7 of session 2"));
+  EXPECT_EQ(found["named"]["tip"], found["that"]["tip"]);
+  EXPECT_EQ(found["none"]["text"], "There is no pose 1:7.");
+  for (const std::string none : {"none", "sign", "fraction", "feature"}) EXPECT_FALSE(found[none]["isRinged"]) << none;
+}
+
 TEST_F(ViewerPage, NamesAndFindsGtsamSymbols) {
   apps::PlottedMap<2> plotted = two_poses();
   plotted.map.pose_ids[0] = {0, *parse_key("x17")};
@@ -80,6 +93,46 @@ TEST_F(ViewerPage, DrawsRejectedLinksApartAndDashed) {
     EXPECT_NEAR(at(3), at(0) + 1.0, 1e-5);
     EXPECT_NEAR(at(4), at(1) + 2.0, 1e-5);
   }
+}
+
+/// Three poses on a line of a session, two local maps.
+apps::PlottedMap<2> line_of_poses(const std::string& name) {
+  apps::PlottedMap<2> plotted;
+  plotted.name = name;
+  plotted.map.pose_ids = {{0, 1}, {0, 2}, {0, 3}};
+  plotted.map.poses = {{{0.0, 0.0}, {}}, {{4.0, 0.0}, {}}, {{8.0, 0.0}, {}}};
+  plotted.sessions = {{0, 3}};
+  plotted.local_maps = {{{0, 1, 1.0, 3}, {}}, {{1, 2, 1.0, 3}, {}}};
+  return plotted;
+}
+
+TEST_F(ViewerPage, DrawsATruthOfSinglePoses) {
+  const apps::PlottedMap<2> plotted = line_of_poses("map");
+  const Truth<2> truth = {{Pose<2>{{0.0, 2.0}, {}}, std::nullopt, Pose<2>{{8.0, 2.0}, {}}}, {}};
+  const Json found = found_on(apps::viewer_page<2>({{plotted}, truth}, "truth"), "{layers: switchLayers()}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_EQ(found["layers"][0]["name"], "truth");
+  EXPECT_TRUE(found["layers"][0]["changes"]);
+}
+
+TEST_F(ViewerPage, MovesAndZoomsByKeys) {
+  const Json found = found_on(apps::viewer_page<2>({{line_of_poses("map")}, std::nullopt}, "keys"),
+                              "{left: press(1, {keyCode: 37}), nearer: press(1, {key: '+'}), farther: press(1, {key: '-'})}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_NEAR(found["left"]["after"][0].get<double>() - found["left"]["before"][0].get<double>(), 40.0, 0.5) << "pixels";
+  EXPECT_NEAR(found["nearer"]["share"], 1.25, 1e-9);
+  EXPECT_NEAR(found["farther"]["share"], 0.8, 1e-9);
+  EXPECT_NEAR(found["farther"]["after"][0], found["nearer"]["before"][0], 0.5);
+}
+
+TEST_F(ViewerPage, OffersOnlyLocalMapsThatAClickPicks) {
+  apps::PlottedMap<2> second = line_of_poses("second");
+  for (Pose<2>& pose : second.map.poses) pose.translation.y() += 6.0;
+  const Json found = found_on(apps::viewer_page<2>({{line_of_poses("first"), second}, std::nullopt}, "two"),
+                              "{first: tipOver(4, 0), second: tipOver(4, 6)}");
+  EXPECT_THAT(found["first"].get<std::string>(), AllOf(HasSubstr("first"), HasSubstr("local map 2, click to pick it")));
+  EXPECT_THAT(found["second"].get<std::string>(),
+              AllOf(HasSubstr("second"), HasSubstr("local map 2"), Not(HasSubstr("click"))));
 }
 
 }  // namespace
