@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <fstream>
 #include <mapjoin/io/g2o/g2o.hpp>
@@ -118,6 +119,16 @@ TYPED_TEST(ManhattanTest, TheWalkStaysInItsSquareOnStreetsAndTurnsAtCornersOnly)
   }
   // Straight on, left and right (yaw, ±kDim); in space up and down, too (pitch, ±2). Roll would be ±1.
   EXPECT_EQ(turns_by_kind, (kDim == 2 ? std::set{-2, 0, 2} : std::set{-3, -2, 0, 2, 3}));
+}
+
+TEST(ManhattanTest, ASideOfWholeBlocksHasThemAll) {
+  for (const double side : {0.2, 0.3, 0.6, 0.7}) {  // 0.3 / 0.1 is less than 3
+    const auto truth = simulate_manhattan<2>({.poses = 5000, .step = 0.1, .block = 0.1, .side = side, .range = 0.0}).truth;
+    Eigen::AlignedBox2d walked;
+    for (const auto& pose : truth.poses) walked.extend(pose.translation);
+    EXPECT_NEAR(walked.sizes().x(), side, 1e-9);
+    EXPECT_NEAR(walked.sizes().y(), side, 1e-9);
+  }
 }
 
 TEST(ManhattanTest, GoesStraightOnAtHalfOfTheOpenCorners) {
