@@ -47,7 +47,8 @@ std::string lost_weights_in_words(const JoiningSystem<Dim>& system, double exten
   const auto [least, largest] = weights_of(system, extent);
   if (!(largest.of_extent > kFarApart * least.of_extent)) return "";
   return fmt::format(
-      "; weights from {:.2g} to {:.2g} are too far apart to be added in a map of {:.2g} m: bring them closer together",
+      "; weights from {:.2g} to {:.2g} are too far apart to be added, as those of positions count times the square of the "
+      "map's {:.2g} m beside those of rotations: bring them closer together",
       least.value, largest.value, extent);
 }
 

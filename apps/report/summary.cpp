@@ -190,6 +190,26 @@ bool has_misfit_of_priors(const RunReport& run_report) {
          std::ranges::any_of(run_report.misfits, [](const NamedMisfit& of) { return of.misfit.kind == PartKind::kPrior; });
 }
 
+/// The command that looks for wrong measurements of the kind that is the most out of line; empty where it was given, would not
+/// look at that kind, or would go by covariances that are too small.
+std::string_view remedy_of_misfits(const RunReport& run_report) {
+  if (run_report.misfits.empty() || run_report.robust || is_too_certain(run_report.figures.fit)) return "";
+  switch (run_report.misfits.front().misfit.kind) {
+    case PartKind::kClosure:
+    case PartKind::kObservation:
+      return "`mapjoin run LOG --robust`";
+    case PartKind::kOdometry:
+      return "`mapjoin run LOG --robust=all`";
+    case PartKind::kMapFeature:
+      return "`mapjoin join MAPS --robust`";
+    case PartKind::kPrior:
+      return run_report.gps ? "`mapjoin run LOG --gps FILE --robust`" : "";
+    case PartKind::kLocalMap:
+      return "";
+  }
+  return "";
+}
+
 void add_notes(const RunReport& run_report, Lines& lines) {
   add_reading_notes(run_report, lines);
   const auto note = notes_in(lines);
@@ -206,8 +226,10 @@ void add_notes(const RunReport& run_report, Lines& lines) {
                    "`mapjoin build`",
                    plural(run_report.counts.shared_features, "feature has its id in several inputs and is",
                           "features have their ids in several inputs and are")));
-  note(!run_report.misfits.empty() && !run_report.robust,
-       "what is out of line may be wrong, or the rest: --robust finds what is, and leaves it out of the map");
+  const std::string_view remedy = remedy_of_misfits(run_report);
+  note(!remedy.empty(), fmt::format("either what is named is wrong, or what contradicts it: {} looks for what contradicts the "
+                                    "most, and leaves it out",
+                                    remedy));
   note(run_report.robust && is_too_certain(run_report.figures.fit),
        "--robust judges by covariances that are too small: what is right may be rejected, too; without it the verdict says how "
        "much larger residuals are than these say, for all measurements of a kind");

@@ -89,13 +89,15 @@ struct Ratio {
   double weight = 0.0;
 };
 
-/// The value that half of the weight precedes, of at least one.
+/// The least of the values by which half of the weight is reached.
 double weighted_median(std::vector<Ratio> ratios) {
   std::ranges::sort(ratios, {}, &Ratio::value);
-  double rest = 0.0;
-  for (const Ratio& ratio : ratios) rest += 0.5 * ratio.weight;
-  const auto middle = std::ranges::find_if(ratios, [&](const Ratio& ratio) { return (rest -= ratio.weight) <= 0.0; });
-  return middle == ratios.end() ? ratios.back().value : middle->value;
+  double half = 0.0;
+  for (const Ratio& ratio : ratios) half += 0.5 * ratio.weight;
+  double reached = 0.0;
+  auto middle = ratios.begin();
+  while ((reached += middle->weight) < half) ++middle;
+  return middle->value;
 }
 
 /// The scales of the kinds that are present.
@@ -114,12 +116,23 @@ std::vector<KindScale> scales_of(const std::vector<TestedPart>& parts) {
   return scales;
 }
 
-/// The scale that residuals of a kind are judged against: that of the kind which others confirm most, where they hardly confirm
-/// this one. At least 1, so that the given covariances are the strictest.
-double tolerated_scale(const std::vector<KindScale>& scales, PartKind kind) {
-  auto known = std::ranges::find(scales, kind, &KindScale::kind);  // every tested kind has one
-  if (known->confirmed < kLeastParts) known = std::ranges::max_element(scales, {}, &KindScale::confirmed);
-  return known->confirmed < kLeastParts ? 1.0 : std::max(1.0, known->scale);
+bool is_trusted(const KindScale& kind) {
+  return kind.confirmed >= kLeastParts;
+}
+
+/// The scale of a kind that is trusted, at least 1, so that the given covariances are the strictest; else 1.
+double trusted_scale(const KindScale& kind) {
+  return is_trusted(kind) ? std::max(1.0, kind.scale) : 1.0;
+}
+
+/// The scale that a part is judged against: that of its kind. Of a kind that is hardly confirmed the part's own error counts as
+/// given, and what the others add to its chi2, a share of 1 - redundancy, by the scale of the kind that is confirmed most.
+double tolerated_scale(const std::vector<KindScale>& scales, const TestedPart& part) {
+  const auto own = std::ranges::find(scales, part.kind, &KindScale::kind);  // every tested kind has one
+  if (is_trusted(*own)) return trusted_scale(*own);
+  const double of_others = trusted_scale(*std::ranges::max_element(scales, {}, &KindScale::confirmed));
+  const double redundancy = part.test.redundancy / part.test.rows;
+  return redundancy + (1.0 - redundancy) * of_others;
 }
 
 template <int Dim>
@@ -157,7 +170,7 @@ const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vect
   double least = 0.0;
   for (const TestedPart& part : parts) {
     const int rows = part.test.rows;
-    const double chi2 = part.test.chi2 / tolerated_scale(scales, part.kind);
+    const double chi2 = part.test.chi2 / tolerated_scale(scales, part);
     if (chi2 <= most_by_chance(rows)) continue;
     const double log_probability = log_chi_squared_upper_tail(blame(part.kind) * chi2, rows);
     if (log_probability < least) worst = &part, least = log_probability;
@@ -172,7 +185,7 @@ bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out
   while (const TestedPart* worst = worst_of(parts, fit.kinds)) {
     if (fit.misfits.size() == most_misfits || stop.stop_requested()) return false;
     const auto [kind, part, test_of_part] = *worst;
-    const double scale = tolerated_scale(fit.kinds, kind);
+    const double scale = tolerated_scale(fit.kinds, *worst);
     const double probability =
         static_cast<double>(parts.size()) * chi_squared_upper_tail(test_of_part.chi2 / scale, test_of_part.rows);
     fit.misfits.push_back(misfit_of(*worst, scale, probability, restored));
@@ -186,11 +199,14 @@ bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out
   return true;
 }
 
-/// Marks the kinds with the largest residuals; those of other kinds suffer from theirs.
+/// Marks the kinds with the largest residuals; those of other kinds suffer from theirs. Kinds that are hardly confirmed count
+/// only if all are.
 void mark_too_certain(std::vector<KindScale>& scales) {
+  const bool any_is_trusted = std::ranges::any_of(scales, is_trusted);
+  const auto counts = [&](const KindScale& kind) { return is_trusted(kind) || !any_is_trusted; };
   double largest = 0.0;
-  for (const KindScale& kind : scales) largest = std::max(largest, kind.scale);
-  for (KindScale& kind : scales) kind.is_too_certain = kind.scale > 1.0 && 2.0 * kind.scale > largest;
+  for (const KindScale& kind : scales) largest = counts(kind) ? std::max(largest, kind.scale) : largest;
+  for (KindScale& kind : scales) kind.is_too_certain = counts(kind) && kind.scale > 1.0 && 2.0 * kind.scale > largest;
 }
 
 }  // namespace

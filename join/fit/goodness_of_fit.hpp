@@ -49,12 +49,13 @@ struct Misfit {
   PartKind kind = PartKind::kClosure;
   PoseIndex from = kWorld;  ///< The base of the observation or local map.
   PoseOrFeature to;         ///< Target of the observation; for a whole local map its end pose.
-  double chi2 = 0.0;        ///< Decrease of chi2 on leaving the part out after those before it, over the scale of its kind.
+  double chi2 = 0.0;        ///< Decrease of chi2 on leaving the part out after those before it, over the scale it is judged by.
   int rows = 0;
-  double probability = 0.0;  ///< Probability of so large a chi2 in any of the parts, if all were as certain as their kind.
+  double probability =
+      0.0;  ///< Probability of so large a chi2 in any of the parts, if all were as certain as they are judged by.
 };
 
-/// The size of the residuals of one kind of parts, without the misfits.
+/// The size of the residuals of one kind of parts, without the misfits (but the last, where the list is incomplete).
 struct KindScale {
   PartKind kind = PartKind::kClosure;
   std::size_t parts = 0;   ///< Parts that can be tested.
@@ -81,7 +82,8 @@ struct GoodnessOfFit {
 /// misfit in one of a hundred cases: half of this level is spent on chi2 as a whole, the other half, by Holm's correction, on
 /// all parts together. At most `most_misfits` are named, and no more once a stop is requested, nor is anything solved for then
 /// (LeaveOneOut::solve_for_weak()). If the typical residuals of a kind are larger than its covariances say, all of the kind are
-/// judged against that scale; a kind that hardly anything confirms, against that of the kind which is confirmed most.
+/// judged against that scale; of a kind that hardly anything confirms, what others add to a residual is judged against the
+/// scale of the kind that is confirmed most.
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
                               std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits,

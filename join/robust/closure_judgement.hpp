@@ -38,7 +38,8 @@ ClosureJudgement<Dim> judge(const Log<Dim>& log, const std::vector<std::size_t>&
 /// more likely right than wrong. A contradicted closure (one beyond the widest gate) counts against a candidate if its
 /// measurement would pass the widest gate in the place of the candidate. All closures between the two gates that are kept, or
 /// that nothing counts against, count for every candidate; if there are none, nothing may count against it. Of many such right
-/// ones, a share of 1 - confidence may count against it where only measurements that would be as near as its own count.
+/// ones, fewer than a share of 1 - confidence may count against it where only measurements that would be as near as its own
+/// count.
 template <int Dim>
 std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures,
                                      const Gates& gates);

@@ -72,8 +72,8 @@ struct CaseFigures {
 };
 
 struct ComparisonFigures {
-  std::vector<std::size_t>
-      spans;  ///< Spans of relative errors in steps within a session: 1, 2, 5, 10, …, as far as the longest goes.
+  /// Spans of relative errors in steps within a session: 1, 2, 5, 10, …, as far as the longest goes.
+  std::vector<std::size_t> spans;
   std::vector<CaseFigures> cases;
   std::size_t best = 0;  ///< The case whose map has the least chi2; the first of equals.
 };

@@ -34,9 +34,9 @@ template <int Dim>
 AbsoluteErrors absolute_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth,
                                TrajectoryAlignment alignment = TrajectoryAlignment::kRigid);
 
-/// The pairs of poses of one session (sessions_by_name()): those that `pairs_of(session)` gives, counted from its first pose.
+/// The pairs of poses of each session (sessions_by_name()): those that `pairs_of(session)` gives, counted from its first pose.
 template <typename PairsOf>
-PosePairs pairs_within_sessions(const PoseIds& poses, PairsOf&& pairs_of) {
+PosePairs pairs_within_sessions(const PoseIds& poses, const PairsOf& pairs_of) {
   PosePairs pairs;
   for (const Session& session : sessions_by_name(poses)) {
     const std::size_t first = session.begin.position();

@@ -31,7 +31,7 @@ CurvatureFigures curvature_figures(const std::vector<double>& values) {
   const double tolerance = kCurvatureTolerance * largest;
   const double ends = std::max(std::abs(values.front()), std::abs(values.back()));
   const auto last = static_cast<double>(values.size() - 1);
-  const std::size_t reach = std::max<std::size_t>(1, (values.size() - 1) / kCurvatureParts);
+  const std::size_t reach = std::max<std::size_t>(1, (values.size() - 1 + kCurvatureParts / 2) / kCurvatureParts);
   figures.points = values.size() - 2;
   for (std::size_t k = 1; k + 1 < values.size(); ++k) {
     const double lambda = static_cast<double>(k) / last;

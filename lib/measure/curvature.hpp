@@ -17,9 +17,9 @@ struct CurvatureFigures {
   std::size_t points = 0;
   std::size_t violations = 0;      ///< Points at which (12), F(λX + (1-λ)Y) ≤ λF(X) + (1-λ)F(Y), does not hold.
   double largest_violation = 0.0;  ///< The largest excess of F over its chord, relative to the larger of its ends.
-  /// Points with negative curvature d²F/dλ², by the second difference to the samples 1/kCurvatureParts of the segment away, or
-  /// next to it where these are farther: over less the tolerance would hide it. Near the ends the nearest point counts that has
-  /// both.
+  /// Points with negative curvature d²F/dλ², by the second difference to the samples about 1/kCurvatureParts of the segment
+  /// away, or next to it where these are farther: over less the tolerance would hide it. Near the ends the nearest point counts
+  /// that has both.
   std::size_t negative = 0;
 
   double share_violated() const { return share(violations); }

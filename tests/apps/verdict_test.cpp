@@ -98,11 +98,20 @@ TEST_F(VerdictTest, SaysThatMoreMayShowWithoutWhatBentTheMap) {
               HasSubstr(" is out of line with the rest; more may show without it\n"));
 }
 
-TEST_F(VerdictTest, SaysWhatFindsAllThatIsWrong) {
+TEST_F(VerdictTest, SaysWhatLooksForWhatIsWrong) {
   const std::string log = log_with(wrong_closure);
-  EXPECT_THAT(call({"run", log}).out, HasSubstr("note         what is out of line may be wrong, or the rest: --robust finds"));
-  EXPECT_THAT(call({"run", log, "--robust"}).out, Not(HasSubstr("--robust finds")));
-  EXPECT_THAT(call({"run", kBundledLog}).out, Not(HasSubstr("--robust finds")));
+  const std::string looks = "` looks for what contradicts the most, and leaves it out\n";
+  EXPECT_THAT(call({"run", log}).out, HasSubstr(": `mapjoin run LOG --robust" + looks));
+  EXPECT_THAT(call({"run", log, "--robust"}).out, Not(HasSubstr(looks)));
+  EXPECT_THAT(call({"run", kBundledLog}).out, Not(HasSubstr(looks)));
+  const std::string slip = (folder.path() / "slip.g2o").string();
+  std::ofstream edges(slip);
+  for (const auto& [from, to, measured] :
+       {std::tuple{0, 1, 1}, {1, 2, 1}, {2, 3, 6}, {3, 4, 1}, {0, 3, 3}, {0, 4, 4}, {1, 4, 3}}) {
+    edges << fmt::format("EDGE_SE2 {} {} {} 0 0 1e4 0 0 1e4 0 1e4\n", from, to, measured);
+  }
+  edges.close();
+  EXPECT_THAT(call({"run", slip}).out, HasSubstr(": `mapjoin run LOG --robust=all" + looks));
 }
 
 TEST_F(VerdictTest, SaysThatRobustJoiningGoesByCovariancesThatAreTooSmall) {

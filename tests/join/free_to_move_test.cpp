@@ -68,7 +68,8 @@ TEST(FreeToMove, WeightsTooFarApartAreNamed) {
 
 TEST(FreeToMove, EqualWeightsAreTooFarApartInAVeryLargeMap) {
   EXPECT_THAT(said_of("EDGE_SE2 0 1 1e9 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 0 1e9 0 1 0 0 1 0 1\n"),
-              HasSubstr("weights from 1 to 1 are too far apart to be added in a map of 1.4e+09 m"));
+              HasSubstr("weights from 1 to 1 are too far apart to be added, as those of positions count times the square of "
+                        "the map's 1.4e+09 m"));
 }
 
 TEST(FreeToMove, WeightsADozenDigitsApartAreNot) {

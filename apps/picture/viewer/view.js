@@ -41,8 +41,8 @@ class View {
     this.controls = controls;
     // Keeps what is under the pointer there: the controls zoom about the middle, and this listener comes after theirs.
     this.canvas.addEventListener("wheel", (event) => this.keepUnder(event.clientX, event.clientY));
-    this.canvas.addEventListener("keydown", ({ key, ctrlKey, metaKey }) => {
-      if (key in kZoomKeys && !ctrlKey && !metaKey) this.zoomBy(kZoomKeys[key]);
+    this.canvas.addEventListener("keydown", ({ key, altKey, ctrlKey, metaKey }) => {
+      if (key in kZoomKeys && !altKey && !ctrlKey && !metaKey) this.zoomBy(kZoomKeys[key]);
     });
   }
 

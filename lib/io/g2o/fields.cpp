@@ -34,8 +34,7 @@ Expected<G2oOffsets> read_g2o_offsets(TextScanner text) {
     if (auto line = text.finish_line(); !line) return tl::unexpected(line.error());
     if (!offsets.emplace(key, robot_sensor).second) {
       return text.error(
-          place,
-          fmt::format("sensor offset {} is given a second time; two logs in one file are to be given as two files", key));
+          place, fmt::format("sensor offset {} is given a second time; if these are two logs, give them as two files", key));
     }
   }
   return offsets;

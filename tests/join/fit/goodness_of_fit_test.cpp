@@ -9,15 +9,11 @@
 #include <numbers>
 #include <tests/support/closing_world.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/fit_of.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
 namespace {
-
-template <int Dim>
-GoodnessOfFit fit_of(const Log<Dim>& log) {
-  return run(log, {}).value().fit;
-}
 
 template <typename D>
 class GoodnessOfFitTest : public ::testing::Test {};
@@ -27,7 +23,7 @@ TYPED_TEST(GoodnessOfFitTest, OfAThousandConsistentWorldsHardlyMoreThanTenAreCal
   int misfits = 0;
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
     const testing::ClosingWorld<TypeParam::value> world(TypeParam::value == 2 ? 60 : 25, seed);
-    misfits += fit_of(world.log).verdict == Verdict::kMisfit;
+    misfits += testing::fit_of(world.log).verdict == Verdict::kMisfit;
   }
   this->RecordProperty("misfits", misfits);
   EXPECT_LE(misfits, 18);  // ten, and two and a half standard deviations
@@ -41,7 +37,7 @@ TYPED_TEST(GoodnessOfFitTest, ASharpClosureOfALongLoopIsBlamedBeforeOdometry) {
   PoseFactor<kDim>& closure = log.graph.pose_factors.back();
   closure.information *= 1e4;
   closure.measured.translation[0] += 1.0;
-  const GoodnessOfFit fit = fit_of(log);
+  const GoodnessOfFit fit = testing::fit_of(log);
   ASSERT_EQ(fit.verdict, Verdict::kMisfit);
   EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kClosure);
   EXPECT_GE(fit.misfits.at(0).rows, kPoseDof<kDim> - 1);
@@ -63,7 +59,7 @@ TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
     const PoseVector<kDim> direction = testing::normal_step<kDim>(world.random).normalized();
     const PoseVector<kDim> shift = 10.0 * PoseVector<kDim>(S.llt().matrixL() * direction);
     world.add(base, target, retract<kDim>(between(right.map.poses[base], right.map.poses[target]), shift));
-    const GoodnessOfFit fit = fit_of(world.log);
+    const GoodnessOfFit fit = testing::fit_of(world.log);
     ASSERT_EQ(fit.verdict, Verdict::kMisfit) << "seed " << seed;
     const Misfit& worst = fit.misfits.at(0);
     named_first += worst.kind == PartKind::kClosure && worst.from == base && worst.to == PoseOrFeature(target);
@@ -83,7 +79,7 @@ Log<Dim> with_wrong_closure(Log<Dim> log, std::size_t closure, double shift) {
 TYPED_TEST(GoodnessOfFitTest, TellsChi2AndItsDegreesOfFreedomWithoutTheMisfits) {
   constexpr int kDim = TypeParam::value;
   const testing::ClosingWorld<kDim> world(60, 3);
-  const GoodnessOfFit fit = fit_of(with_wrong_closure(world.log, 2, 1.0));
+  const GoodnessOfFit fit = testing::fit_of(with_wrong_closure(world.log, 2, 1.0));
   ASSERT_EQ(fit.misfits.size(), 1U);
   Log<kDim> without = world.log;
   without.graph.pose_factors.erase(without.graph.pose_factors.begin() + std::ssize(world.log.odometry()) + 2);
@@ -97,8 +93,8 @@ TYPED_TEST(GoodnessOfFitTest, TellsChi2AndItsDegreesOfFreedomWithoutTheMisfits) 
 
 TYPED_TEST(GoodnessOfFitTest, TestsTheOthersAnewWithoutAMisfit) {
   const testing::ClosingWorld<TypeParam::value> world(60, 3);
-  const GoodnessOfFit one = fit_of(with_wrong_closure(world.log, 2, 0.6));
-  const GoodnessOfFit both = fit_of(with_wrong_closure(with_wrong_closure(world.log, 2, 0.6), 5, 0.6));
+  const GoodnessOfFit one = testing::fit_of(with_wrong_closure(world.log, 2, 0.6));
+  const GoodnessOfFit both = testing::fit_of(with_wrong_closure(with_wrong_closure(world.log, 2, 0.6), 5, 0.6));
   EXPECT_TRUE(both.is_complete) << "these hardly turn the map";
   ASSERT_EQ(both.misfits.size(), 2U);
   for (const Misfit& misfit : both.misfits) EXPECT_EQ(misfit.kind, PartKind::kClosure);
@@ -129,7 +125,7 @@ TYPED_TEST(GoodnessOfFitTest, NamesPriorsThatDoNotFit) {
     Point<kDim>& wrong =
         is_of_pose ? log.graph.pose_factors.back().measured.translation : log.graph.feature_factors.back().measured;
     wrong[0] += 3.0;
-    const GoodnessOfFit fit = fit_of(log);
+    const GoodnessOfFit fit = testing::fit_of(log);
     ASSERT_FALSE(fit.misfits.empty());
     EXPECT_EQ(fit.misfits[0].kind, PartKind::kPrior);
     EXPECT_EQ(fit.misfits[0].from, kWorld);
@@ -142,96 +138,11 @@ TYPED_TEST(GoodnessOfFitTest, NamesAFeatureThatIsNotTheOneItIsSaidToBe) {
   auto& observation = world.log.graph.feature_factors[world.log.observations().size() / 2];
   const FeatureIndex right = observation.target;
   observation.target = right == 0 ? FeatureIndex(world.log.features.size() - 1) : FeatureIndex(0);
-  const GoodnessOfFit fit = fit_of(world.log);
+  const GoodnessOfFit fit = testing::fit_of(world.log);
   ASSERT_EQ(fit.verdict, Verdict::kMisfit);
   EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kObservation);
   EXPECT_EQ(fit.misfits.at(0).from, observation.base);
   EXPECT_EQ(fit.misfits.at(0).to, PoseOrFeature(observation.target));
-}
-
-TYPED_TEST(GoodnessOfFitTest, TellsCovariancesThatAreTooSmallFromOutliers) {
-  testing::ClosingWorld<TypeParam::value> world(300, 5);
-  for (auto& observation : world.log.graph.feature_factors) observation.information *= 9.0;
-  const GoodnessOfFit fit = fit_of(world.log);
-  EXPECT_EQ(fit.verdict, Verdict::kMisfit);
-  EXPECT_TRUE(fit.misfits.empty());
-  for (const KindScale& kind : fit.kinds) EXPECT_EQ(kind.is_too_certain, kind.kind == PartKind::kObservation);
-  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
-  EXPECT_NEAR(observations->scale, 9.0, 1.5);
-}
-
-TYPED_TEST(GoodnessOfFitTest, CallsNoKindTooCertainWhereChi2IsProbable) {
-  int larger = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const GoodnessOfFit fit = fit_of(testing::ClosingWorld<TypeParam::value>(30, seed).log);
-    if (fit.verdict != Verdict::kFits) continue;
-    for (const KindScale& kind : fit.kinds) {
-      larger += kind.scale > 1.0;
-      EXPECT_FALSE(kind.is_too_certain) << seed;
-    }
-  }
-  EXPECT_GT(larger, 0);
-}
-
-/// Observations with too much information are no outliers if enough others confirm the scale of their errors.
-TYPED_TEST(GoodnessOfFitTest, TrustsTheScaleOfAKindThatEnoughOthersConfirm) {
-  testing::ClosingWorld<TypeParam::value> world(25, 5);
-  for (auto& observation : world.log.graph.feature_factors) observation.information *= 25.0;
-  const GoodnessOfFit fit = fit_of(world.log);
-  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
-  ASSERT_GT(observations->confirmed, 20.0);
-  EXPECT_TRUE(fit.misfits.empty());
-}
-
-/// A third of the closures are wrong, and bend the rest, so that all closures look worse than they are.
-TEST(GoodnessOfFit, FindsScalesAnewWithoutEachMisfit) {
-  std::size_t named = 0;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    testing::ClosingWorld<2> world(300, seed, 40);
-    const std::size_t right = world.log.graph.pose_factors.size();
-    for (int k = 0; k < 20; ++k) world.add_closure();
-    std::vector<PoseFactor<2>>& factors = world.log.graph.pose_factors;
-    for (std::size_t k = right; k < factors.size(); ++k) {
-      factors[k].measured = retract<2>(factors[k].measured, PoseVector<2>(0.3 * testing::normal_step<2>(world.random)));
-    }
-    const GoodnessOfFit fit = fit_of(world.log);
-    named += fit.misfits.size();
-    for (const Misfit& misfit : fit.misfits) EXPECT_EQ(misfit.kind, PartKind::kClosure) << seed;
-    const auto closures = std::ranges::find(fit.kinds, PartKind::kClosure, &KindScale::kind);
-    EXPECT_EQ(closures->parts, 60 - fit.misfits.size());
-    EXPECT_LT(closures->scale, 2.0) << seed;
-  }
-  EXPECT_GT(named, 50U);
-}
-
-/// Closures whose errors are five times as large as stated, all of them, bend odometry, which hardly anything else confirms.
-TYPED_TEST(GoodnessOfFitTest, JudgesAKindThatIsHardlyConfirmedByTheScaleOfTheOthers) {
-  constexpr int kDim = TypeParam::value;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    testing::ClosingWorld<kDim> world(300, seed, 40);
-    world.log.graph.feature_factors.clear();
-    world.log.features = {};
-    for (auto& closure : std::span(world.log.graph.pose_factors).subspan(world.log.odometry().size())) {
-      closure.information /= 400.0;
-      closure.measured = retract<kDim>(closure.measured, PoseVector<kDim>(5.0 * testing::normal_step<kDim>(world.random)));
-    }
-    const GoodnessOfFit fit = fit_of(world.log);
-    const auto odometry = std::ranges::find(fit.kinds, PartKind::kOdometry, &KindScale::kind);
-    EXPECT_LT(odometry->confirmed, 20.0);
-    EXPECT_EQ(fit.verdict, Verdict::kMisfit);
-    for (const Misfit& misfit : fit.misfits) EXPECT_NE(misfit.kind, PartKind::kOdometry) << seed;
-  }
-}
-
-TYPED_TEST(GoodnessOfFitTest, CallsNothingAMisfitThatCautiousCovariancesAllow) {
-  testing::ClosingWorld<TypeParam::value> world(100, 6);
-  for (auto& observation : world.log.graph.feature_factors) observation.information /= 25.0;
-  auto& off = world.log.graph.feature_factors[world.log.observations().size() / 2];
-  off.measured[0] += 3.0 / std::sqrt(off.information(0, 0));  // far more than others, no more than is stated
-  const GoodnessOfFit fit = fit_of(world.log);
-  EXPECT_EQ(fit.verdict, Verdict::kFits);
-  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
-  EXPECT_NEAR(observations->scale, 1.0 / 25.0, 0.01);
 }
 
 /// A square driven round once, which ends where it begins, with closures from its last poses to its first.
@@ -250,16 +161,16 @@ Log<2> square(double error_of_step_7, int closures) {
 }
 
 TEST(GoodnessOfFit, BlamesTheClosureWhereOneClosesALoopAndOdometryWhereTwoAgree) {
-  const GoodnessOfFit one = fit_of(square(5.0, 1));
+  const GoodnessOfFit one = testing::fit_of(square(5.0, 1));
   ASSERT_EQ(one.verdict, Verdict::kMisfit);
   EXPECT_EQ(one.misfits.at(0).kind, PartKind::kClosure);
-  const GoodnessOfFit two = fit_of(square(5.0, 8));
+  const GoodnessOfFit two = testing::fit_of(square(5.0, 8));
   ASSERT_EQ(two.verdict, Verdict::kMisfit);
   EXPECT_EQ(two.misfits.at(0).kind, PartKind::kOdometry);
 }
 
 TEST(GoodnessOfFit, WaitsForAMapWithoutAMisfitThatBentItFar) {
-  EXPECT_FALSE(fit_of(square(15.0, 1)).is_complete);
+  EXPECT_FALSE(testing::fit_of(square(15.0, 1)).is_complete);
 }
 
 /// A long round, of each step of which the others tell next to nothing, with a closure that is off by five metres.
@@ -272,16 +183,16 @@ TEST(GoodnessOfFit, TestsTheClosureOfALongRound) {
     builder.add_pose_edge({0, k - 1}, {0, k}, {{0.01, 0.0}, Rotation<2>(turn)}, W);
   }
   builder.add_pose_edge({0, kSteps}, {0, 0}, {{5.0, 0.0}, Rotation<2>(0.0)}, W);
-  const GoodnessOfFit fit = fit_of(std::move(builder).finish().value());
+  const GoodnessOfFit fit = testing::fit_of(std::move(builder).finish().value());
   ASSERT_EQ(fit.verdict, Verdict::kMisfit);
   EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kClosure);
 }
 
 TEST(GoodnessOfFit, IsUntestedWhereNothingIsMeasuredTwice) {
-  const GoodnessOfFit fit = fit_of(square(0.0, 0));
+  const GoodnessOfFit fit = testing::fit_of(square(0.0, 0));
   EXPECT_EQ(fit.verdict, Verdict::kUntested);
   EXPECT_EQ(fit.parts, 0U);
-  EXPECT_EQ(fit_of(square(0.0, 1)).verdict, Verdict::kFits);
+  EXPECT_EQ(testing::fit_of(square(0.0, 1)).verdict, Verdict::kFits);
 }
 
 TEST(GoodnessOfFit, IsUntestedOfALongWayThatNothingCloses) {
@@ -289,7 +200,7 @@ TEST(GoodnessOfFit, IsUntestedOfALongWayThatNothingCloses) {
   for (std::uint64_t k = 1; k <= 10000; ++k) {
     builder.add_pose_edge({0, k - 1}, {0, k}, {{1.0, 0.0}, Rotation<2>(0.01)}, PoseMatrix<2>::Identity());
   }
-  EXPECT_EQ(fit_of(std::move(builder).finish().value()).verdict, Verdict::kUntested);
+  EXPECT_EQ(testing::fit_of(std::move(builder).finish().value()).verdict, Verdict::kUntested);
 }
 
 TEST(GoodnessOfFit, NamesNoMoreMisfitsThanAskedForAndIsOneAllTheSame) {

@@ -132,7 +132,7 @@ std::vector<bool> fits_of_a_hundred(std::size_t kept) {
       judgement.standing[k] = Standing::kKept;
       judgement.chi2[k] = 20.0;
     } else {
-      closures[k].measured.translation[0] = std::sqrt(10.0);
+      closures[k].measured.translation[0] = std::sqrt(10.1);
     }
   }
   std::vector<bool> fits = fits_beyond_chance<Dim>(judgement, closures, {{25.0, 25.0}, {0.16, 1.0}, {}, 0.99});

@@ -235,7 +235,7 @@ TEST(G2o, NamesASensorOffsetThatIsMissingOrGivenTwice) {
   const std::string edge = "EDGE_SE3_TRACKXYZ 0 1 2 1 1 1 1 0 0 1 0 1\n";
   EXPECT_EQ(message(offset + edge), "some.g2o:2:23: no PARAMS_SE3OFFSET line gives the sensor offset 2");
   EXPECT_EQ(message(offset + offset + edge),
-            "some.g2o:2:18: sensor offset 1 is given a second time; two logs in one file are to be given as two files");
+            "some.g2o:2:18: sensor offset 1 is given a second time; if these are two logs, give them as two files");
 }
 
 TEST(G2o, RefusesAnObservationThatLeavesTheRangeOfNumbersInTheFrameOfItsPose) {
