@@ -35,7 +35,7 @@ inline constexpr double kCurvatureTolerance = 1e-10;
 inline constexpr std::size_t kCurvatureParts = 100;
 
 /// The figures of one segment, from equally spaced samples; fewer than three have no inner points. A value that is NaN or +∞
-/// violates (12), and its neighbours have no curvature that counts.
+/// violates (12), and no curvature counts at the points whose second differences reach it.
 CurvatureFigures curvature_figures(const std::vector<double>& values);
 
 }  // namespace mapjoin
