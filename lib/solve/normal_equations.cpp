@@ -124,6 +124,7 @@ Eigen::MatrixXd NormalEquations::to_columns(const Eigen::MatrixXd& rows) const {
 }
 
 Eigen::MatrixXd NormalEquations::to_variables(const Eigen::MatrixXd& rows) const {
+  if (rows.size() == 0) return rows;
   Eigen::MatrixXd out(rows.rows(), rows.cols());
   for (const Variable v : variables()) out.middleRows(offset(v), dof(v)) = rows.middleRows(factor_column(v), dof(v));
   return out;

@@ -235,7 +235,7 @@ Eigen::MatrixXd SparseCholesky::null_space(std::size_t most) const {
   const std::size_t count = std::min(singular_.size(), most);
   Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(offsets_.back(), static_cast<Eigen::Index>(count));
   for (std::size_t k = 0; k < count; ++k) Z(singular_[k], static_cast<Eigen::Index>(k)) = 1.0;
-  solve_downwards(Z);
+  if (count > 0) solve_downwards(Z);
   return Z;
 }
 
