@@ -205,7 +205,7 @@ std::string_view remedy_of_misfits(const RunReport& run_report) {
     case PartKind::kPrior:
       return run_report.gps ? "`mapjoin run LOG --gps FILE --robust`" : "";
     case PartKind::kLocalMap:
-      return "";
+      break;
   }
   return "";
 }

@@ -13,6 +13,13 @@
 namespace mapjoin {
 namespace {
 
+/// The scale of a kind that must have been tested.
+KindScale kind_scale(PartKind kind, const GoodnessOfFit& fit) {
+  const auto found = std::ranges::find(fit.kinds, kind, &KindScale::kind);
+  EXPECT_NE(found, fit.kinds.end());
+  return fit.kinds.at(static_cast<std::size_t>(found - fit.kinds.begin()));
+}
+
 template <typename D>
 class KindScaleTest : public ::testing::Test {};
 TYPED_TEST_SUITE(KindScaleTest, testing::Dimensions, );
@@ -24,8 +31,8 @@ TYPED_TEST(KindScaleTest, TellsCovariancesThatAreTooSmallFromOutliers) {
   EXPECT_EQ(fit.verdict, Verdict::kMisfit);
   EXPECT_TRUE(fit.misfits.empty());
   for (const KindScale& kind : fit.kinds) EXPECT_EQ(kind.is_too_certain, kind.kind == PartKind::kObservation);
-  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
-  EXPECT_NEAR(observations->scale, 9.0, 1.5);
+  const KindScale observations = kind_scale(PartKind::kObservation, fit);
+  EXPECT_NEAR(observations.scale, 9.0, 1.5);
 }
 
 TYPED_TEST(KindScaleTest, CallsNoKindTooCertainWhereChi2IsProbable) {
@@ -46,8 +53,8 @@ TYPED_TEST(KindScaleTest, TrustsTheScaleOfAKindThatEnoughOthersConfirm) {
   testing::ClosingWorld<TypeParam::value> world(25, 5);
   for (auto& observation : world.log.graph.feature_factors) observation.information *= 25.0;
   const GoodnessOfFit fit = testing::fit_of(world.log);
-  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
-  ASSERT_GT(observations->confirmed, 20.0);
+  const KindScale observations = kind_scale(PartKind::kObservation, fit);
+  ASSERT_GT(observations.confirmed, 20.0);
   EXPECT_TRUE(fit.misfits.empty());
 }
 
@@ -65,10 +72,9 @@ TEST(KindScale, FindsScalesAnewWithoutEachMisfit) {
     const GoodnessOfFit fit = testing::fit_of(world.log);
     named += fit.misfits.size();
     for (const Misfit& misfit : fit.misfits) EXPECT_EQ(misfit.kind, PartKind::kClosure) << seed;
-    const auto closures = std::ranges::find(fit.kinds, PartKind::kClosure, &KindScale::kind);
-    ASSERT_NE(closures, fit.kinds.end());
-    EXPECT_EQ(closures->parts, 60 - fit.misfits.size());
-    EXPECT_LT(closures->scale, 2.0) << seed;
+    const KindScale closures = kind_scale(PartKind::kClosure, fit);
+    EXPECT_EQ(closures.parts, 60 - fit.misfits.size());
+    EXPECT_LT(closures.scale, 2.0) << seed;
   }
   EXPECT_GT(named, 50U);
 }
@@ -108,9 +114,8 @@ TYPED_TEST(KindScaleTest, JudgesAKindThatIsHardlyConfirmedByTheScaleOfTheOthers)
       closure.measured = retract<kDim>(closure.measured, PoseVector<kDim>(5.0 * testing::normal_step<kDim>(world.random)));
     }
     const GoodnessOfFit fit = testing::fit_of(world.log);
-    const auto odometry = std::ranges::find(fit.kinds, PartKind::kOdometry, &KindScale::kind);
-    ASSERT_NE(odometry, fit.kinds.end());
-    EXPECT_LT(odometry->confirmed, 20.0);
+    const KindScale odometry = kind_scale(PartKind::kOdometry, fit);
+    EXPECT_LT(odometry.confirmed, 20.0);
     EXPECT_EQ(fit.verdict, Verdict::kMisfit);
     for (const Misfit& misfit : fit.misfits) EXPECT_NE(misfit.kind, PartKind::kOdometry) << seed;
   }
@@ -123,8 +128,8 @@ TYPED_TEST(KindScaleTest, CallsNothingAMisfitThatCautiousCovariancesAllow) {
   off.measured[0] += 3.0 / std::sqrt(off.information(0, 0));  // far more than others, no more than is stated
   const GoodnessOfFit fit = testing::fit_of(world.log);
   EXPECT_EQ(fit.verdict, Verdict::kFits);
-  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
-  EXPECT_NEAR(observations->scale, 1.0 / 25.0, 0.01);
+  const KindScale observations = kind_scale(PartKind::kObservation, fit);
+  EXPECT_NEAR(observations.scale, 1.0 / 25.0, 0.01);
 }
 
 }  // namespace
