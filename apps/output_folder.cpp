@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <apps/exit_code.hpp>
 #include <apps/output_folder.hpp>
-#include <mapjoin/io/files/file_mode.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <system_error>
 
@@ -38,13 +37,6 @@ void make_folder(const fs::path& folder, const fs::path& output) {
   const fs::file_status there = fs::symlink_status(folder, ignored);
   if (fs::exists(there) && !fs::is_directory(there)) demand(in_the_way(folder, output));
   demand_done(output, failure);
-}
-
-/// Gives the folder aside the permissions of the one that it stands for, if that is there; its owner may write into it.
-void take_permissions_of(const fs::path& folder, const fs::path& aside) {
-  std::error_code ignored;
-  const fs::file_status there = fs::status(folder, ignored);
-  if (fs::is_directory(there)) fs::permissions(aside, there.permissions() | fs::perms::owner_all, ignored);
 }
 
 /// Removes all but the lock.
@@ -116,7 +108,7 @@ void OutputFolder::replace(const std::vector<std::string>& names, const std::vec
     demand_done(file(name), failure);
   }
   for (const std::string& name : names) {
-    take_mode_of(file(name), aside(name));
+    take_permissions_of(file(name), aside(name));
     fs::rename(aside(name), file(name), failure);
     demand_done(file(name), failure);
   }

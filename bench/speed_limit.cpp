@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/align/gauge.hpp>
-#include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/submap_graph.hpp>

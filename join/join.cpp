@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/align/gauge.hpp>
-#include <mapjoin/join/align/joined_map.hpp>
+#include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/free_to_move.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/relative_join.hpp>

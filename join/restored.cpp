@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/restored.hpp>
 #include <utility>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Initial values for a join of all maps at once (those of the paper's Table I).
+// The joined map of a whole submap graph, and its initial values (those of the paper's Table I).
 
 #include <cstdint>
 #include <mapjoin/join/align/partial_map.hpp>
+#include <mapjoin/join/schedule.hpp>
 #include <mapjoin/model/enum_names.hpp>
 
 namespace mapjoin {
@@ -19,6 +20,16 @@ constexpr auto enum_names(Start) {
   return std::to_array<EnumName<Start>>(
       {{Start::kComposed, "composed"}, {Start::kZero, "zero"}, {Start::kRandom, "random"}, {Start::kFile, "file"}});
 }
+
+/// All poses, features, maps and observations of a submap graph, in its order, as one partial map; its state is zero.
+template <int Dim>
+PartialMap<Dim> joined_map_of(const SubmapGraph<Dim>& graph);
+
+/// The state of `joined_map` from the partial maps of the join, several if only the World ties them together: the composed
+/// start of the last join. A partial map that the World does not tie has its first pose at `origin`.
+template <int Dim>
+Values<Dim> composed_state(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& joined_map, const Pose<Dim>& origin,
+                           JoinedPartialMaps<Dim> joined);
 
 /// Sets every feature of the partial map to zero, and every pose but the first, which holds the map.
 template <int Dim>

@@ -83,34 +83,17 @@ void test_parts(const LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& 
   std::erase_if(parts, [](const TestedPart& part) { return part.test.rows == 0; });
 }
 
-/// A part's chi2 over its median if the covariances were right, and the weight of that: what others confirm of the part.
-struct Ratio {
-  double value = 0.0;
-  double weight = 0.0;
-};
-
-/// The least of the values by which half of the weight is reached.
-double weighted_median(std::vector<Ratio> ratios) {
-  std::ranges::sort(ratios, {}, &Ratio::value);
-  double half = 0.0;
-  for (const Ratio& ratio : ratios) half += 0.5 * ratio.weight;
-  double reached = 0.0;
-  auto middle = ratios.begin();
-  while ((reached += middle->weight) < half) ++middle;
-  return middle->value;
-}
-
 /// The scales of the kinds that are present.
 std::vector<KindScale> scales_of(const std::vector<TestedPart>& parts) {
   ChiSquaredQuantiles medians(0.5);
-  std::map<PartKind, std::vector<Ratio>> ratios;
+  std::map<PartKind, std::vector<Weighted>> ratios;  // of chi2 to its median if the covariances were right
   for (const auto& [kind, part, test] : parts) {
     ratios[kind].push_back({test.chi2 / medians(test.rows), test.redundancy / test.rows});
   }
   std::vector<KindScale> scales;
   for (auto& [kind, of_kind] : ratios) {
     KindScale& scale = scales.emplace_back(KindScale{kind, of_kind.size()});
-    for (const Ratio& ratio : of_kind) scale.confirmed += ratio.weight;
+    for (const Weighted& ratio : of_kind) scale.confirmed += ratio.weight;
     scale.scale = weighted_median(std::move(of_kind));
   }
   return scales;

@@ -57,6 +57,10 @@ class LeaveOneOut {
   /// The squared Mahalanobis distance rᵀ (W⁻¹ + J P Jᵀ)⁻¹ r of a factor that had no part in the estimate, from its prediction
   /// at the optimum of the linearised problem.
   PartTest prediction(std::size_t factor) const;
+  /// test() of a whole factor that counts in the estimate, prediction() of one that does not.
+  PartTest test_whole(std::size_t factor, bool counts) const {
+    return counts ? test({factor, 0, rows(factor)}) : prediction(factor);
+  }
   /// Leaves a part out of the measurements in all tests that follow. Returns the largest rotation of a pose by all parts that
   /// have been left out (rad).
   double leave_out(const MeasuredPart& part);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/predictions.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/linearise.hpp>
 
 namespace mapjoin {
@@ -93,9 +94,7 @@ std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std
     if (!is_kept) open.push_back(k);
   }
   const std::size_t most = std::max<std::size_t>(1, right);
-  constexpr double kRoundingOfAShare = 1.0 + 1e-9;  // 1 - 0.9 is less than 0.1
-  const double share = kRoundingOfAShare * (1.0 - gates.confidence);
-  const auto most_so_near = static_cast<std::size_t>(share * static_cast<double>(right));
+  const auto most_so_near = static_cast<std::size_t>(whole_part((1.0 - gates.confidence) * static_cast<double>(right)));
   for (const std::size_t k : open) {
     fits[k] = would_be_within(widest, k, most) < most || would_be_within(chi2[k], k, most_so_near) < most_so_near;
   }

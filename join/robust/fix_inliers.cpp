@@ -1,26 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/align/alignment.hpp>
+#include <mapjoin/join/align/start.hpp>
+#include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
-#include <mapjoin/join/robust/fix_tests.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/localmap/split.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/cost.hpp>
 #include <mapjoin/model/loss.hpp>
-#include <mapjoin/simulate/random_stream.hpp>
 #include <optional>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
-/// Number of alignments that are tried: if half of the fixes are wrong, all miss two right ones with a probability of 3e-38,
-/// three with 4e-18.
-constexpr int kAlignments = 300;
 /// Graduated non-convexity ends before a loss of this share, which is as good as cut off.
 constexpr double kSharpShare = 0.98;
 /// Maximum number of steps of the solve with all fixes: where these fit, they are near.
@@ -33,6 +30,35 @@ struct JudgedFixes {
   std::vector<bool> count;
   std::vector<double> chi2;
 };
+
+/// The squared Mahalanobis distance of each pose prior of a log from its prediction by all else that counts, at the optimum
+/// `log.initial` over the rest and the priors that count, which are those without Loss::dropped(). nullopt if what counts
+/// leaves something free to move.
+template <int Dim>
+std::optional<std::vector<PartTest>> fix_tests(Log<Dim> log, Engine engine, const std::stop_token& stop) {
+  const SubmapGraph<Dim> graph = submap_graph_of(log, split(log, {SplitRule::kPoses, 1.0}), {});
+  PartialMap<Dim> joined_map = joined_map_of(graph);
+  set_to_values(log.initial, joined_map);
+  JoiningSystem<Dim> system(joined_map, gauge_of(graph, joined_map), engine);
+  system.linearise();
+  if (system.factorise(0.0)) return std::nullopt;
+  const Marginals marginals(system.equations());
+  std::vector<bool> counts;
+  for (PoseFactor<Dim>& fix : std::span(log.graph.pose_factors).subspan(log.edges().size())) {
+    counts.push_back(fix.loss != Loss::dropped());
+    fix.loss = {};  // tests are of the measurements as they are
+  }
+  LeaveOneOut<Dim> leave_one_out(system, system.equations(), marginals);
+  const std::vector<std::size_t> factors = places_among(system.pose_factors(), log.pose_priors());
+  std::vector<std::size_t> counting;
+  for (std::size_t f = 0; f < counts.size(); ++f) {
+    if (counts[f]) counting.push_back(factors[f]);
+  }
+  leave_one_out.solve_for_weak(counting, stop);
+  std::vector<PartTest> tests;
+  for (std::size_t f = 0; f < counts.size(); ++f) tests.push_back(leave_one_out.test_whole(factors[f], counts[f]));
+  return tests;
+}
 
 /// A search for outliers among the pose priors of a log, all of which are fixes, and `widest` the threshold of their chi2.
 template <int Dim>
@@ -48,7 +74,7 @@ class FixSearch {
   /// The fixes that count, and tests of all; all of them count if they pass as they are, or if too few stand apart to tell.
   Expected<JudgedFixes> judged() {
     if (auto start = solve_without_fixes(); !start) return tl::unexpected(start.error());
-    const auto alignment = least_median_alignment();
+    const auto alignment = alignment_onto_fixes();
     if (!alignment) return judged_;
     log_.initial = moved(*alignment, std::move(log_.initial));
     const auto found = all_fit().and_then([&](bool fit) { return fit ? Expected<void>() : search(); });
@@ -67,35 +93,14 @@ class FixSearch {
   }
 
   /// The rigid motion of the map onto the fixes by least median of squares; nullopt if no sample determines one.
-  std::optional<Pose<Dim>> least_median_alignment() const {
+  std::optional<Pose<Dim>> alignment_onto_fixes() const {
     std::vector<Point<Dim>> antennas;
     std::vector<Point<Dim>> measured;
     for (const PoseFactor<Dim>& fix : log_.pose_priors()) {
       antennas.push_back(transform(log_.initial.poses[fix.target], fix.lever));
       measured.push_back(fix.measured.translation);
     }
-    RandomStream random(1, 0);
-    std::optional<Pose<Dim>> best;
-    double least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < kAlignments; ++k) {
-      std::vector<Point<Dim>> from, to;
-      for (int i = 0; i < Dim; ++i) {
-        const auto chosen = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(antennas.size())));
-        from.push_back(antennas[chosen]);
-        to.push_back(measured[chosen]);
-      }
-      const auto alignment = rigid_alignment<Dim>(from, to);
-      if (!alignment) continue;
-      std::vector<double> distances;
-      for (std::size_t f = 0; f < antennas.size(); ++f) {
-        distances.push_back((transform(*alignment, antennas[f]) - measured[f]).squaredNorm());
-      }
-      const double middle = median(std::move(distances));
-      if (middle >= least) continue;
-      least = middle;
-      best = alignment;
-    }
-    return best;
+    return least_median_alignment<Dim>(antennas, measured);
   }
 
   /// Solves by graduated non-convexity, with one step for each loss.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/join/robust/weak_information.hpp>
@@ -163,10 +162,7 @@ void TruncatedJoin<Dim>::test_all(const std::stop_token& stop) {
   for_each_doubtful([](auto& factor, std::size_t, auto) { factor.loss = {}; });  // tests are of the measurements as they are
   leave_one_out.solve_for_weak(counting_closures(), stop);
   parallel_chunks(counts_.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      tests_[k] =
-          counts_[k] ? leave_one_out.test({factors_[k], 0, system_->rows(factors_[k])}) : leave_one_out.prediction(factors_[k]);
-    }
+    for (std::size_t k = begin; k < end; ++k) tests_[k] = leave_one_out.test_whole(factors_[k], counts_[k]);
   });
 }
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/check/connectivity.hpp>
-#include <mapjoin/join/align/joined_map.hpp>
+#include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/study/convexity.hpp>
 #include <mapjoin/join/study/convexity_objective.hpp>

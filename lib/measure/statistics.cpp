@@ -14,12 +14,33 @@ namespace policies = boost::math::policies;
 using ChiSquared =
     boost::math::chi_squared_distribution<double, policies::policy<policies::overflow_error<policies::ignore_error>>>;
 
+/// The relative rounding of a ratio.
+constexpr double kRounding = 1e-9;
+
 /// The value, or the largest double if it is infinite.
 double finite(double value) {
   return std::min(value, std::numeric_limits<double>::max());
 }
 
 }  // namespace
+
+double weighted_median(std::vector<Weighted> values) {
+  std::ranges::sort(values, {}, &Weighted::value);
+  double half = 0.0;
+  for (const Weighted& one : values) half += 0.5 * one.weight;
+  double reached = 0.0;
+  auto middle = values.begin();
+  while ((reached += middle->weight) < half) ++middle;
+  return middle->value;
+}
+
+std::int64_t whole_part(double ratio) {
+  return static_cast<std::int64_t>(ratio * (1.0 + kRounding));
+}
+
+bool is_whole(double ratio) {
+  return std::abs(ratio - std::round(ratio)) <= kRounding * ratio;
+}
 
 double chi_squared_upper_tail(double value, double dof) {
   if (std::isnan(value)) return value;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Order statistics, and the chi-squared distribution.
+// Order statistics, ratios that are whole but for rounding, and the chi-squared distribution.
 
 #include <algorithm>
 #include <cstddef>
@@ -25,6 +25,20 @@ template <typename T>
 T median(std::vector<T> values) {
   return sample_quantile(std::move(values), 0.5);
 }
+
+/// A value that counts as much as its weight.
+struct Weighted {
+  double value = 0.0;
+  double weight = 0.0;
+};
+
+/// The least of the values by which half of the weight is reached; of at least one.
+double weighted_median(std::vector<Weighted> values);
+
+/// The whole part of a ratio of at least zero; one that is a whole number but for rounding, relative to it, is that number.
+std::int64_t whole_part(double ratio);
+/// True if a ratio is a whole number but for rounding, relative to it.
+bool is_whole(double ratio);
 
 /// The value that comes after `rank` others in descending order; of more than `rank` values.
 template <typename T>

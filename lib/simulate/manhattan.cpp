@@ -14,9 +14,6 @@ namespace {
 /// The random streams, one for each purpose: a change of one leaves the others alone.
 enum ManhattanStream : std::uint64_t { kPath, kOdometry, kObservation, kFeatures };
 
-/// A ratio of two lengths that is nearer to a whole number, relatively, is that number.
-constexpr double kRatioRounding = 1e-9;
-
 /// The hash of a cell of the feature grid, also the random stream of its feature.
 template <int Dim>
 struct CellHash {
@@ -30,8 +27,7 @@ struct CellHash {
 template <int Dim>
 LatticeBox<Dim> box_of(const ManhattanOptions& options) {
   const double side = options.side.value_or(2.0 * std::sqrt(static_cast<double>(options.poses) / 5.0));
-  const double blocks_of_side = side / options.block * (1.0 + kRatioRounding);
-  const auto blocks = std::max<std::int64_t>(1, static_cast<std::int64_t>(blocks_of_side));
+  const auto blocks = std::max<std::int64_t>(1, whole_part(side / options.block));
   LatticeBox<Dim> box{LatticePoint<Dim>::Constant(-(blocks / 2)), LatticePoint<Dim>::Constant(blocks - blocks / 2)};
   if constexpr (Dim == 3) {
     box.low.z() = 0;
@@ -199,7 +195,7 @@ std::vector<std::string> ManhattanOptions::validate() const {
   require(is_length(step), "step must lie between a millimetre and a kilometre");
   require(is_length(block), "block must lie between a millimetre and a kilometre");
   const double steps = block / step;
-  require(steps >= 1.0 && steps <= 1e6 && std::abs(steps - std::round(steps)) < kRatioRounding * steps,
+  require(steps <= 1e6 && whole_part(steps) >= 1 && is_whole(steps),
           "block must be a whole number of steps, at most a million");
   require(!side || (*side > 0.0 && *side <= 1e6 * block), "side must be above 0 and at most a million blocks");
   require(storeys >= 1 && storeys <= 1'000'000, "storeys must be between 1 and a million");

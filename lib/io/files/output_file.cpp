@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <mapjoin/io/files/file_mode.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <system_error>
 
@@ -53,6 +52,14 @@ OutputFile::OutputFile(fs::path path, fs::path written_path, Descriptor descript
   buffer_.reserve(kBufferSize);
 }
 
+void take_permissions_of(const fs::path& replaced, const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status there = fs::status(replaced, ignored);
+  if (!fs::exists(there)) return;
+  const fs::perms of_owner = fs::is_directory(path, ignored) ? fs::perms::owner_all : fs::perms::owner_write;
+  fs::permissions(path, there.permissions() | of_owner, ignored);
+}
+
 Expected<OutputFile> OutputFile::create(const fs::path& path) {
   std::error_code ignored;
   const fs::path target = link_target(path);  // A link stays a link.
@@ -61,7 +68,7 @@ Expected<OutputFile> OutputFile::create(const fs::path& path) {
   if (beside) {
     const fs::path written = target.string() + kUnfinished;
     return open_alone(written, path).map([&](Descriptor&& file) {
-      take_mode_of(target, written);
+      take_permissions_of(target, written);
       return OutputFile(target, written, std::move(file));
     });
   }

@@ -19,6 +19,10 @@ std::filesystem::path destination(const std::filesystem::path& path);
 /// True if both paths lead to the same file, existing or not; false for devices, pipes, folders and empty paths.
 bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
+/// Gives a file or folder the permissions of the one that it is to replace, if there is one and the file system has any; its
+/// owner may write it, as a next call does that clears what this one left.
+void take_permissions_of(const std::filesystem::path& replaced, const std::filesystem::path& path);
+
 /// An output file. Bytes go to `name.mapjoin-tmp` beside it, which takes the name on commit() and is otherwise removed; the
 /// next writer of the file clears what a killed process left there. Devices, pipes and open files (/dev/stdout, behind their
 /// content) are written to directly. A link stays a link. A file that is replaced hands on its permissions, to which the

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <mapjoin/io/files/file_mode.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/store/map_rows.hpp>
@@ -107,7 +106,7 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
   const Contents<Dim> contents{log, segments, options, portion, share, features_are_shared};
   auto database = open_with(unfinished_store(path), contents, found_damaged);
   if (!database) return tl::unexpected(database.error());
-  take_mode_of(target, unfinished_store(path));
+  take_permissions_of(target, unfinished_store(path));
   auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());
   StoreWriter writer(target, std::move(*database), std::move(*insert), segments);

@@ -70,6 +70,24 @@ TYPED_TEST(AlignmentTest, AlignsMirroredPointsByARotation) {
   this->expect_umeyama(points, this->moved(mirrored, 0.1), 1e-9);
 }
 
+TYPED_TEST(AlignmentTest, IsByTheMajorityInLeastMedianOfSquares) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto points = this->scattered(25);
+  auto there = this->moved(points, 0.0);
+  const auto right = rigid_alignment<kDim>(points, there);
+  for (std::size_t k = 0; k < 11; ++k) there[k] += Point<kDim>::Constant(7.0 + static_cast<double>(k));
+  const auto found = least_median_alignment<kDim>(points, there);
+  ASSERT_TRUE(right && found);
+  EXPECT_LT(local(*right, *found).norm(), 1e-9);
+  EXPECT_GT(local(*right, *rigid_alignment<kDim>(points, there)).norm(), 1.0);
+}
+
+TYPED_TEST(AlignmentTest, LeastMedianOfSquaresTakesPointsThatDetermineAMotion) {
+  constexpr int kDim = TestFixture::kDim;
+  const typename TestFixture::Points one_place(9, Point<kDim>::Ones());
+  EXPECT_FALSE(least_median_alignment<kDim>(one_place, one_place));
+}
+
 TYPED_TEST(AlignmentTest, AlignsPointsOfOnePlane) {
   constexpr int kDim = TestFixture::kDim;
   auto points = this->scattered(12);

@@ -16,6 +16,22 @@ TEST(NthLargest, IsPrecededBySoManyOthers) {
   EXPECT_EQ(nth_largest(values, 4), -1.0);
 }
 
+TEST(WeightedMedian, IsWhereHalfOfTheWeightIsReached) {
+  EXPECT_EQ(weighted_median({{3.0, 1.0}, {1.0, 1.0}, {2.0, 1.0}}), 2.0);
+  EXPECT_EQ(weighted_median({{3.0, 2.5}, {1.0, 1.0}, {2.0, 1.0}}), 3.0);
+  EXPECT_EQ(weighted_median({{3.0, 0.5}, {1.0, 0.25}, {2.0, 0.25}}), 2.0);
+  EXPECT_EQ(weighted_median({{7.0, 0.0}}), 7.0);
+}
+
+TEST(WholePart, IsNotMissedByRounding) {
+  EXPECT_EQ(whole_part(0.3 / 0.1), 3);
+  EXPECT_EQ(whole_part((1.0 - 0.9) * 10.0), 1);
+  EXPECT_EQ(whole_part(2.999), 2);
+  EXPECT_EQ(whole_part(0.0), 0);
+  EXPECT_TRUE(is_whole(0.3 / 0.1));
+  EXPECT_FALSE(is_whole(2.999));
+}
+
 TEST(ChiSquared, IsNeverBeyondAllNumbers) {
   const double infinite = std::numeric_limits<double>::infinity();
   EXPECT_EQ(chi_squared_upper_tail(infinite, 3), 0.0);
