@@ -98,8 +98,10 @@ GeographicPoint middle_of(const std::vector<GpsFix>& fixes) {
 template <int Dim>
 PoseFactor<Dim> prior_of(const GpsFix& fix, const Carrier<Dim>& carrier, const Point<Dim>& lever,
                          const GeographicFrame& frame) {
+  GeographicPoint place = fix.place;
+  if (Dim == 2) place.height = frame.origin().height;
   Matrix<3> R;
-  const Point<3> measured = frame.to_local(fix.place, &R);
+  const Point<3> measured = frame.to_local(place, &R);
   const Vector<3> variances = fix.deviation.cwiseAbs2();
   const Matrix<Dim> covariance = Matrix<3>(R * variances.asDiagonal() * R.transpose()).topLeftCorner<Dim, Dim>();
   PoseFactor<Dim> prior{kWorld, carrier.pose, {}, PoseMatrix<Dim>::Zero(), {}, transform(carrier.robot, lever)};

@@ -71,7 +71,7 @@ inline std::uint32_t read_session(TextScanner& text) {
   return static_cast<std::uint32_t>(session);
 }
 
-/// The columns that the first line with a word names, without the blanks around them.
+/// The columns that the first line with a word names, without the blanks and the quotation marks around them.
 inline std::vector<std::string> csv_columns(std::string_view csv) {
   std::vector<std::string> columns;
   TextScanner text("", csv);
@@ -88,6 +88,9 @@ inline std::vector<std::string> csv_columns(std::string_view csv) {
       columns.emplace_back();
     }
     add(word);
+  }
+  for (std::string& name : columns) {
+    if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
   }
   return columns;
 }

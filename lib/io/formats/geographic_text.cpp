@@ -12,13 +12,6 @@
 namespace mapjoin {
 namespace {
 
-template <int Dim>
-GeographicPoint geographic(const Point<Dim>& point, const GeographicFrame& frame) {
-  Point<3> local = Point<3>::Zero();
-  local.head<Dim>() = point;
-  return frame.to_geographic(local);
-}
-
 using Track = std::vector<GeographicPoint>;
 
 /// The GeoJSON position `[longitude,latitude]`, in space with the height.
@@ -90,7 +83,7 @@ Expected<void> write_geographic_csv(const GlobalMap<Dim>& map, const GeographicF
   if (!map.stamps_ns.empty()) line.add("stamp_ns");
   line.write_to(*file);
   for (const PoseIndex p : indices(map.poses)) {
-    const GeographicPoint place = geographic<Dim>(map.poses[p].translation, frame);
+    const GeographicPoint place = frame.to_geographic(map.poses[p].translation);
     if (has_sessions) line.add(map.pose_ids[p].session);
     line.add(key_text(map.pose_ids[p].key)).add(place.latitude).add(place.longitude);
     if (Dim == 3) line.add(place.height);
@@ -109,7 +102,7 @@ Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& f
   Track trajectory;
   for (const PoseIndex p : indices(map.poses)) {
     const std::uint32_t session = map.pose_ids[p].session;
-    trajectory.push_back(geographic<Dim>(map.poses[p].translation, frame));
+    trajectory.push_back(frame.to_geographic(map.poses[p].translation));
     const bool is_last = p + 1 == indices(map.poses).last;
     if (!is_last && map.pose_ids[p + 1].session == session) continue;
     file->write(trajectory_object<Dim>(trajectory, session));
@@ -118,7 +111,7 @@ Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& f
   }
   for (const FeatureIndex f : indices(map.features)) {
     const std::string name = fmt::format("\"feature\":\"{}\"", key_text(map.feature_ids[f].key));
-    file->write(object("Point", position<Dim>(geographic<Dim>(map.features[f], frame)), name));
+    file->write(object("Point", position<Dim>(frame.to_geographic(map.features[f])), name));
     file->write(f + 1 == indices(map.features).last ? "\n" : ",\n");
   }
   file->write("]}\n");

@@ -59,6 +59,24 @@ TEST(AttachFixes, AFixAtTheTimeOfAPoseIsAPriorOfItsAntenna) {
   EXPECT_EQ(attached.lines, std::vector<std::size_t>{9});
 }
 
+TEST(AttachFixes, InThePlaneAFixOnAHillIsWhereItsLatitudeAndLongitudeAre) {
+  Log<2> log = log_of();
+  GpsFix low = fix_at(1.0);
+  low.place.longitude += 0.07;
+  GpsFix high = low;
+  high.when = 2 * kSecond;
+  high.place.height += 500.0;
+  const auto attached = attach_fixes(fixes_of({fix_at(0.0), low, high}), {}, log).value();
+  const auto priors = log.pose_priors();
+  ASSERT_EQ(priors.size(), 3U);
+  EXPECT_EQ(priors[1].measured.translation, priors[2].measured.translation);
+  for (const auto& [prior, fix] : {std::pair{priors[0], fix_at(0.0)}, {priors[1], low}}) {
+    const GeographicPoint place = attached.frame.to_geographic(prior.measured.translation);
+    EXPECT_NEAR(place.latitude, fix.place.latitude, 1e-12);
+    EXPECT_NEAR(place.longitude, fix.place.longitude, 1e-12);
+  }
+}
+
 TEST(AttachFixes, BetweenTwoPosesTheLeverFollowsOdometryFromTheNearerOne) {
   Log<2> log = log_of();
   const Point<2> lever(1.0, 0.0);

@@ -32,6 +32,16 @@ TEST(GeographicFrame, LeadsThereAndBack) {
   EXPECT_LT((frame.to_local(place) - local).norm(), 1e-8);
 }
 
+TEST(GeographicFrame, OfAPlaneLeadsThereAndBackAtTheHeightOfItsOrigin) {
+  const GeographicFrame frame(kOrigin);
+  for (const double away : {0.0, 10e3, 100e3, 1000e3}) {
+    const Point<2> local(0.6 * away, -0.8 * away);
+    const GeographicPoint place = frame.to_geographic(local);
+    EXPECT_NEAR(place.height, kOrigin.height, 1e-5) << away;
+    EXPECT_LT((frame.to_local(place).head<2>() - local).norm(), 1e-5) << away;
+  }
+}
+
 TEST(GeographicFrame, TurnsEastNorthAndUpOfAPlaceIntoTheFrame) {
   const GeographicFrame frame(kOrigin);
   const GeographicPoint place{kOrigin.latitude + 1.0, kOrigin.longitude - 2.0, 100.0};

@@ -32,6 +32,12 @@ TEST(GpsCsv, BlanksAroundTheNamesOfColumnsDoNotCount) {
   EXPECT_EQ(fixes.fixes[0].place.longitude, 8.0);
 }
 
+TEST(GpsCsv, NamesOfColumnsMayBeQuoted) {
+  const auto fixes = read_gps_csv("\"pose\",\"latitude\", \"longitude\" ,\"sd_east\",\"sd_north\"\n12,50,8,1,1\n", "fixes.csv");
+  ASSERT_TRUE(fixes) << fixes.error().message;
+  EXPECT_EQ(fixes->fixes[0].place.longitude, 8.0);
+}
+
 TEST(GpsCsv, ACellOfAnotherColumnMayHaveSeveralWords) {
   const auto fixes = read_gps_csv(
                          "utc,time,latitude,longitude,mode,sd_east,sd_north\n"
