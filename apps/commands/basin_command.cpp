@@ -177,6 +177,7 @@ void declare_basin(Subcommand& command) {
   command.number("--max-iterations", basin.max_iterations, 1, "N",
                  "At most so many steps of every solve, where gradual of its last one");
   add_reading(command, *asked);
+  add_inflation(command, *asked);
   add_reporting(command, *asked);
   command.check([asked, &command] { return check_uncut(command, *asked); });
   command.check([asked] {

@@ -90,6 +90,7 @@ void declare_build(Subcommand& command) {
   add_association(command, *options);
   add_confidence(command, *options, "--associate");
   add_reading(command, *options);
+  add_inflation(command, *options);
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG|MAPS"), outputs_of_store(*options)); });
   command.check([options] {

@@ -259,6 +259,7 @@ void declare_check(Subcommand& command) {
   add_robust(command, *options);
   add_confidence(command, *options, "--robust");
   add_reading(command, *options);
+  add_inflation(command, *options);
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "FILE"), outputs_of(*options)); });
   command.check([options]() -> std::vector<std::string> {

@@ -39,9 +39,10 @@ void demand_none_of_logs(const std::string& input, const Options& options) {
 template <int Dim>
 void take_weights(const Options& options, StoredMaps<Dim>& stored) {
   const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
-  if (are_those && !options.read.repair_information) return;
+  if (are_those && !options.read.repair_information && options.inflation == Inflation{}) return;
   fail(ErrorKind::kUsage,
-       "the weights of a store are chosen when it is built: --covariance and --repair-information go with `mapjoin build`");
+       "the weights of a store are chosen when it is built: --covariance, --inflate and --repair-information go with `mapjoin "
+       "build`");
 }
 
 /// Refuses to associate against names by which the maps of a store were built.

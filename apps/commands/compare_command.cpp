@@ -228,6 +228,7 @@ void declare_compare(Subcommand& command) {
   add_robust(command, *options);
   add_confidence(command, *options, "--robust");
   add_reading(command, *options);
+  add_inflation(command, *options);
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG"), outputs_of_folder(*options, kFiles)); });
   command.act([options](const std::stop_token& stop) { return compare_log(*options, stop); });

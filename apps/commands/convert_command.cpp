@@ -186,6 +186,7 @@ void declare_convert(Subcommand& command) {
                  });
   command.flag("--quiet", options->quiet, "No summary");
   add_reading(command, *options);
+  add_inflation(command, *options);
   command.check([options] { return output_conflicts({{"IN", options->input}}, {{"OUT", options->output}}); });
   command.check([options] { return check_format(*options); });
   command.act([options](const std::stop_token& stop) { return convert_input(*options, stop); });

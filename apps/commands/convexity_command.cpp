@@ -175,6 +175,7 @@ void declare_convexity(Subcommand& command) {
   add_lines(command, asked->convexity);
   add_splitting(command, *asked);
   add_reading(command, *asked);
+  add_inflation(command, *asked);
   add_reporting(command, *asked);
   command.check([asked, &command] { return check_uncut(command, *asked); });
   command.check([asked] {

@@ -237,6 +237,7 @@ void declare_covariance(Subcommand& command) {
                "Write the joint covariance as CSV, one line and one column a coordinate");
   add_most_memory(command, *options, "Refuse what would take more [as much as there is]");
   add_reading(command, *options);
+  add_inflation(command, *options);
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "MAP"), outputs_of(*options)); });
   command.act([options](const std::stop_token& stop) { return tell(*options, stop); });

@@ -183,6 +183,9 @@ std::vector<std::string> check_following(const Subcommand& command, const Option
   if (following.wanted && options.association) {
     violations.emplace_back("--follow goes by the ids of features, which --associate ignores");
   }
+  if (following.wanted && command.is_given("--inflate")) {
+    violations.emplace_back("--inflate is for a log that is complete: --follow does not know yet which edges are odometry");
+  }
   return violations;
 }
 

@@ -50,6 +50,44 @@ void refuse_for_maps(Subcommand& command, const Options& options, const std::str
   });
 }
 
+/// Takes "closure=3,odometry=1.5"; returns a violation otherwise.
+std::optional<std::string> take_inflation(const std::string& words, Inflation& inflation) {
+  constexpr double kLeast = 0.001;
+  constexpr double kMost = 1000.0;
+  std::istringstream list(words + ",");
+  for (std::string word; std::getline(list, word, ',');) {
+    const std::size_t equals = word.find('=');
+    const auto kind = std::ranges::find(kInflatedKinds, word.substr(0, equals), &InflatedKind::name);
+    const auto factor = equals == word.npos ? std::nullopt : number_in<double>(word.substr(equals + 1));
+    if (kind == kInflatedKinds.end() || !factor || !(*factor >= kLeast && *factor <= kMost)) {
+      return fmt::format(
+          "not closure=X, odometry=X, observation=X, prior=X or map=X, with X from {:g} to {:g} and commas between them",
+          kLeast, kMost);
+    }
+    inflation.*kind->factor = *factor;
+  }
+  return std::nullopt;
+}
+
+/// Refuses to inflate what the input does not have, or what gives its standard deviations elsewhere.
+std::vector<std::string> check_inflation(const Options& options) {
+  const Inflation& inflation = options.inflation;
+  if (inflation == Inflation{}) return {};
+  std::vector<std::string> violations;
+  const bool holds_maps = may_hold_maps(options.input);
+  if (options.covariance == Covariance::kIdentity) {
+    violations.emplace_back("--inflate is of the weights as given, which --covariance identity replaces");
+  }
+  if (holds_maps && inflation.odometry != 1.0) violations.push_back(is_for_a_log(options.input, "--inflate odometry"));
+  if (!holds_maps && inflation.maps != 1.0) {
+    violations.push_back(fmt::format("{}: is a log, and --inflate map is for local maps", options.input.string()));
+  }
+  if (!options.gps.empty() && inflation.priors != 1.0) {
+    violations.push_back(options.gps.string() + ": says how certain its fixes are, and --inflate prior is for those of a log");
+  }
+  return violations;
+}
+
 }  // namespace
 
 std::string is_for_a_log(const std::filesystem::path& input, const std::string& option) {
@@ -63,6 +101,15 @@ void add_weights(Subcommand& command, Options& options) {
       "--repair-information", options.read.repair_information,
       "Take the symmetric part of an asymmetric information matrix or covariance and the nearest semidefinite one of an "
       "indefinite one, and count them");
+}
+
+void add_inflation(Subcommand& command, Options& options) {
+  command.group("Reading");
+  command.option("--inflate", "KIND=X,...",
+                 "Take the standard deviations of all measurements of a kind (closure, odometry, observation, prior, map) as X "
+                 "times what the input says: where they are too small, the verdict says by how much",
+                 [&options](const std::string& words) { return take_inflation(words, options.inflation); });
+  command.check([&options] { return check_inflation(options); });
 }
 
 void add_leniency(Subcommand& command, Options& options, const std::string& of) {
@@ -134,7 +181,7 @@ void add_gps(Subcommand& command, Options& options) {
   command.path("--gps", options.gps, "FILE",
                "Fixes of a satellite receiver hold the map, which is then east, north and up: CSV with columns time or pose, "
                "latitude, longitude, sd_east, sd_north and, in space, height, sd_up; with --robust wrong ones are left out");
-  command.option("--gps-lever", "X,Y[,Z]", "Where the antenna is in the frame of a pose (m) [0,0,0]",
+  command.option("--gps-lever", "X,Y[,Z]", "Where the antenna is in the frame of a pose (m), Z in space only [0,0,0]",
                  [&options](const std::string& words) -> std::optional<std::string> {
                    std::istringstream list(words + ",");
                    int count = 0;

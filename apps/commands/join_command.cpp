@@ -67,6 +67,7 @@ void declare_join(Subcommand& command) {
   add_engine(command, *options);
   add_polish(command, *options);
   add_weights(command, *options);
+  add_inflation(command, *options);
   add_reading_of_truth(command, *options);
   add_verdict(command, *options);
   add_association(command, *options);

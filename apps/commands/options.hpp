@@ -38,6 +38,7 @@ struct Options {
   GpsOptions of_gps;
   Parts parts = Parts::kRefuse;
   Covariance covariance = Covariance::kOriginal;
+  Inflation inflation;
   Share share;  ///< Share of the local maps to build.
   RunOptions run = without_verdict();
   double confidence = RobustOptions().confidence;  ///< Confidence of the next two.
@@ -84,6 +85,7 @@ std::string no_map_in_words(const SplitOptions& split);
 template <typename Data>
 void take_weights(const Options& options, Data& data) {
   if (options.covariance == Covariance::kIdentity) use_identity_covariance(data);
+  if (options.inflation != Inflation{}) inflate(options.inflation, data);
 }
 
 /// The number of threads that the run works on.
@@ -111,6 +113,8 @@ void add_further_logs(Subcommand& command, Options& options);
 void add_gps(Subcommand& command, Options& options);
 /// Adds the part of add_reading() for inputs other than g2o: --repair-information, --covariance.
 void add_weights(Subcommand& command, Options& options);
+/// Adds --inflate, behind the options for reading a log or local maps.
+void add_inflation(Subcommand& command, Options& options);
 /// Adds the options for cutting a log: --poses-per-map, --metres-per-map, --features-per-map.
 void add_splitting(Subcommand& command, Options& options);
 /// --part

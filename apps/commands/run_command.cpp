@@ -238,6 +238,7 @@ void declare_run(Subcommand& command) {
   add_robust(command, *options);
   add_confidence(command, *options, "--associate and --robust");
   add_reading(command, *options);
+  add_inflation(command, *options);
   add_verdict(command, *options);
   add_certainty(command, *options);
   add_following(command, *following);

@@ -41,6 +41,7 @@ void declare_solve(Subcommand& command) {
   add_robust(command, *options);
   add_confidence(command, *options, "--robust");
   add_reading(command, *options);
+  add_inflation(command, *options);
   add_verdict(command, *options);
   add_certainty(command, *options);
   add_reporting(command, *options);

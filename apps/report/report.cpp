@@ -8,6 +8,12 @@
 namespace mapjoin::apps {
 namespace {
 
+Json json_of(const Inflation& inflation) {
+  Json json;
+  for (const auto& [name, factor] : kInflatedKinds) json[std::string(name)] = inflation.*factor;
+  return json;
+}
+
 Json input_of(const RunReport& run_report) {
   const Counts& counts = run_report.counts;
   const Conventions& conventions = run_report.conventions;
@@ -15,7 +21,8 @@ Json input_of(const RunReport& run_report) {
           {"convention",
            {{"pose_error", conventions.pose_error},
             {"rotation_information", conventions.rotation_information},
-            {"covariance", conventions.covariance}}},
+            {"covariance", conventions.covariance},
+            {"inflation", json_of(conventions.inflation)}}},
           {"units", {{"length", "m"}, {"angle", "rad"}}},
           {"sessions", counts.sessions},
           {"poses", counts.poses},

@@ -156,7 +156,12 @@ std::string conventions_in_words(const Conventions& conventions, int dimension) 
     text += conventions.rotation_information == RotationInformation::kVector ? ", rotation vector"
                                                                              : ", vector part of the quaternion";
   }
-  return text + (conventions.covariance == Covariance::kOriginal ? ", original covariance" : ", identity covariance");
+  text += conventions.covariance == Covariance::kOriginal ? ", original covariance" : ", identity covariance";
+  for (const auto& [name, factor] : kInflatedKinds) {
+    const double by = conventions.inflation.*factor;
+    if (by != 1.0) text += fmt::format(", standard deviations of {} {:g} times as given", name, by);
+  }
+  return text;
 }
 
 void add_input(const RunReport& run_report, Lines& lines, std::string_view name) {
@@ -232,7 +237,11 @@ void add_notes(const RunReport& run_report, Lines& lines) {
                                     remedy));
   note(run_report.robust && is_too_certain(run_report.figures.fit),
        "--robust judges by covariances that are too small: what is right may be rejected, too; without it the verdict says how "
-       "much larger residuals are than these say, for all measurements of a kind");
+       "much larger residuals are than these say, and --inflate takes them so");
+  const std::string inflation = run_report.robust ? "" : inflation_that_fits(run_report);
+  note(!inflation.empty(), fmt::format("--inflate {} takes standard deviations to be as large as the residuals are, for all "
+                                       "measurements of a kind",
+                                       inflation));
   note(has_misfit_of_priors(run_report),
        "the priors of all inputs are of one World: if those of each are in a frame of its own, keep them in one input only, or "
        "give them as FIX, which counts in one input only");

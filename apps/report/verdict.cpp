@@ -14,14 +14,23 @@ namespace {
 /// The most misfits shown in the summary; the report has more.
 constexpr std::size_t kMostShown = 5;
 
+std::string two_digits(double factor) {
+  return fmt::format("{:.2g}", factor);
+}
+
+/// True if covariances of a kind are too small by more than words say.
+bool is_notably_too_certain(const KindScale& kind) {
+  return kind.is_too_certain && two_digits(std::sqrt(kind.scale)) != "1";
+}
+
 /// The factors by which typical residuals are too large or, if none is, chi2 as a whole.
 std::string scales_in_words(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   std::vector<std::string> words;
   for (const KindScale& kind : fit.kinds) {
-    if (!kind.is_too_certain) continue;
+    if (!is_notably_too_certain(kind)) continue;
     const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
-    words.push_back(fmt::format("{} {:.2g} times", is_fix ? kFix : to_string(kind.kind), std::sqrt(kind.scale)));
+    words.push_back(fmt::format("{} {} times", is_fix ? kFix : to_string(kind.kind), two_digits(std::sqrt(kind.scale))));
   }
   if (words.empty()) return fmt::format("chi2 as a whole is too large: {:.6g} over {} degrees of freedom", fit.chi2, fit.dof);
   return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
@@ -33,10 +42,45 @@ std::string why_untested(const RunReport& run_report) {
   return run_report.options.verdict ? "nothing is measured twice" : "no verdict was asked for";
 }
 
+/// The factor on the standard deviations of a kind of parts.
+double Inflation::*factor_of(PartKind kind) {
+  switch (kind) {
+    case PartKind::kClosure:
+      return &Inflation::closures;
+    case PartKind::kOdometry:
+      return &Inflation::odometry;
+    case PartKind::kObservation:
+      return &Inflation::observations;
+    case PartKind::kPrior:
+      return &Inflation::priors;
+    default:
+      return &Inflation::maps;
+  }
+}
+
 }  // namespace
 
 bool is_too_certain(const GoodnessOfFit& fit) {
-  return std::ranges::any_of(fit.kinds, &KindScale::is_too_certain);
+  return std::ranges::any_of(fit.kinds, is_notably_too_certain);
+}
+
+std::string inflation_that_fits(const RunReport& run_report) {
+  const Conventions& conventions = run_report.conventions;
+  if (conventions.covariance != Covariance::kOriginal) return "";
+  Inflation inflation;
+  for (const KindScale& kind : run_report.figures.fit.kinds) {
+    const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
+    if (!is_notably_too_certain(kind) || is_fix) continue;
+    double& factor = inflation.*factor_of(kind.kind);
+    factor = std::max(factor, std::sqrt(kind.scale));
+  }
+  if (inflation == Inflation{}) return "";
+  std::string words;
+  for (const auto& [name, factor] : kInflatedKinds) {
+    const std::string by = two_digits(conventions.inflation.*factor * inflation.*factor);
+    if (by != "1") words += fmt::format("{}{}={}", words.empty() ? "" : ",", name, by);
+  }
+  return words;
 }
 
 std::string name_of(const NamedMisfit& misfit) {

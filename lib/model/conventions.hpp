@@ -3,8 +3,10 @@
 // The conventions of a file's numbers, so that every chi2 can be reported with its meaning.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <mapjoin/model/enum_names.hpp>
+#include <string_view>
 
 namespace mapjoin {
 
@@ -55,11 +57,34 @@ struct MatrixRepairs {
   }
 };
 
+/// Factors on the standard deviations that the input gives to the measurements of a kind.
+struct Inflation {
+  double closures = 1.0;
+  double odometry = 1.0;
+  double observations = 1.0;
+  double priors = 1.0;
+  double maps = 1.0;  ///< Of local maps.
+
+  bool operator==(const Inflation&) const = default;
+};
+
+/// A kind of measurement, by its word in options, reports and stores.
+struct InflatedKind {
+  std::string_view name;
+  double Inflation::*factor;
+};
+inline constexpr auto kInflatedKinds = std::to_array<InflatedKind>({{"closure", &Inflation::closures},
+                                                                    {"odometry", &Inflation::odometry},
+                                                                    {"observation", &Inflation::observations},
+                                                                    {"prior", &Inflation::priors},
+                                                                    {"map", &Inflation::maps}});
+
 struct Conventions {
   PoseError pose_error = PoseError::kPaper;
   RotationInformation rotation_information = RotationInformation::kVector;
   Covariance covariance = Covariance::kOriginal;
   MatrixRepairs repairs = {};
+  Inflation inflation = {};
 };
 
 /// The conventions of a log without its repairs, for what takes these from the log itself.

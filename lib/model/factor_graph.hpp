@@ -65,6 +65,26 @@ void use_identity_covariance(Data& data) {
   for (auto& factor : data.graph.feature_factors) replace(factor.information);
   for (auto& submap : data.graph.submaps) replace(submap.information);
   data.conventions.covariance = Covariance::kIdentity;
+  data.conventions.inflation = {};
+}
+
+/// Multiplies the standard deviations of the measurements of a log or a set of maps, each by the factor of its kind, and
+/// records that in its conventions.
+template <typename Data>
+void inflate(const Inflation& by, Data& data) {
+  const auto weaken = [](auto& information, double factor) { information /= factor * factor; };
+  std::size_t odometry = 0;
+  if constexpr (requires { data.odometry(); }) odometry = data.odometry().size();
+  for (std::size_t k = 0; k < data.graph.pose_factors.size(); ++k) {
+    auto& factor = data.graph.pose_factors[k];
+    const double of_edge = k < odometry ? by.odometry : by.closures;
+    weaken(factor.information, factor.base == kWorld ? by.priors : of_edge);
+  }
+  for (auto& factor : data.graph.feature_factors) {
+    weaken(factor.information, factor.base == kWorld ? by.priors : by.observations);
+  }
+  for (auto& submap : data.graph.submaps) weaken(submap.information, by.maps);
+  data.conventions.inflation = by;
 }
 
 }  // namespace mapjoin

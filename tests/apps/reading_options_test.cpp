@@ -75,5 +75,39 @@ TEST_F(ReadingOptions, OfPartsCountTheFeaturesThatTheyLeaveOut) {
   EXPECT_THAT(all.out, ::testing::HasSubstr("left out: features that no pose observes (1)"));
 }
 
+TEST_F(ReadingOptions, InflateStandardDeviationsByKind) {
+  const std::string maps = path("inflated.maps");
+  const Words option = {"--inflate", "odometry=2,observation=2"};
+  const auto with = [&](Words words) {
+    words.insert(words.end(), option.begin(), option.end());
+    return words;
+  };
+  const auto given = report_of({"run", kBundledLog});
+  const auto inflated = report_of(with({"run", kBundledLog}));
+  EXPECT_NEAR(4.0 * inflated["chi2"].get<double>(), given["chi2"].get<double>(), 1e-6);
+  EXPECT_EQ(given["convention"]["inflation"]["odometry"], 1.0);
+  EXPECT_EQ(inflated["convention"]["inflation"]["odometry"], 2.0);
+  EXPECT_EQ(inflated["convention"]["inflation"]["closure"], 1.0);
+  ASSERT_EQ(call(with({"build", kBundledLog, "-o", maps, "--quiet"})).exit_code, 0);
+  EXPECT_EQ(report_of({"join", maps})["convention"]["inflation"], inflated["convention"]["inflation"]);
+  expect_failure(call({"join", maps, "--inflate", "map=2"}), 2, "--inflate and --repair-information go with `mapjoin build`");
+  ASSERT_EQ(call(with({"convert", kBundledLog, path("inflated.g2o"), "--quiet"})).exit_code, 0);
+  EXPECT_NEAR(report_of({"run", path("inflated.g2o")})["chi2"].get<double>(), inflated["chi2"].get<double>(), 1e-6);
+}
+
+TEST_F(ReadingOptions, InflateOnlyWhatTheInputHas) {
+  for (const char* words : {"closure", "closure=0", "closures=2", "closure=2,", "closure=nan", "=2"}) {
+    expect_failure(call({"run", log, "--inflate", words}), 2, "not closure=X, odometry=X, observation=X, prior=X or map=X");
+  }
+  expect_failure(call({"run", log, "--inflate", "map=2"}), 2, "log.g2o: is a log, and --inflate map is for local maps");
+  expect_failure(call({"run", log, "--inflate", "closure=2", "--covariance", "identity"}), 2,
+                 "--inflate is of the weights as given, which --covariance identity replaces");
+  expect_failure(call({"run", log, "--gps", log, "--inflate", "prior=2"}), 2, "says how certain its fixes are");
+  expect_failure(call({"run", log, "--follow", "--inflate", "closure=2"}), 2, "--inflate is for a log that is complete");
+  const std::string maps = path("log.maps");
+  ASSERT_EQ(call({"build", log, "-o", maps, "--quiet"}).exit_code, 0);
+  expect_failure(call({"check", maps, "--inflate", "odometry=2"}), 2, "--inflate odometry is for a log");
+}
+
 }  // namespace
 }  // namespace mapjoin::testing

@@ -136,5 +136,24 @@ TEST_F(VerdictTest, SaysByHowMuchCovariancesAreTooSmall) {
               AllOf(HasSubstr("warning      out of line with the rest: 1 of "), HasSubstr("warning      " + said)));
 }
 
+TEST_F(VerdictTest, NamesTheFactorsByWhichCovariancesFit) {
+  const std::string path = (folder.path() / "noisy.g2o").string();
+  ASSERT_EQ(call({"simulate", "--poses", "500", "--noise-multiplier", "3", "-o", path, "--quiet"}).exit_code, 0);
+  const std::string said = call({"run", path}).out;
+  const std::string option = "note         --inflate ";
+  const std::size_t at = said.find(option);
+  ASSERT_NE(at, said.npos) << said;
+  const std::size_t begin = at + option.size();
+  const std::string factors = said.substr(begin, said.find(' ', begin) - begin);
+  EXPECT_THAT(factors, HasSubstr("observation=3"));
+  const auto inflated = call({"run", path, "--inflate", factors});
+  EXPECT_THAT(inflated.out, AllOf(HasSubstr("verdict      fits"), HasSubstr("times as given"), Not(HasSubstr(option))));
+  EXPECT_EQ(call({"check", path, "--inflate", factors}).exit_code, 0);
+  const auto rejected = [&](const std::vector<std::string>& words) {
+    return report_of(words)["robust"]["rejected"].get<int>();
+  };
+  EXPECT_LT(rejected({"run", path, "--robust", "--inflate", factors}), 1 + rejected({"run", path, "--robust"}) / 10);
+}
+
 }  // namespace
 }  // namespace mapjoin::testing

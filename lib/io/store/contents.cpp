@@ -35,6 +35,10 @@ template <int Dim>
 Info info_of(const Contents<Dim>& contents) {
   Info info{{"dimension", std::to_string(Dim)}, {"source", contents.log.source}, {"options", contents.options}};
   for (const auto& [what, count] : contents.log.skipped) info[std::string(kSkipped) + what] = std::to_string(count);
+  for (const auto& [name, factor] : kInflatedKinds) {
+    const double by = contents.log.conventions.inflation.*factor;
+    if (by != 1.0) info[std::string(kInflated) + std::string(name)] = fmt::format("{}", by);
+  }
   const auto put = [&](const char* key, const auto& one_of) {
     if (!one_of.is_whole()) info[key] = fmt::format("{}/{}", one_of.index + 1, one_of.count);
   };

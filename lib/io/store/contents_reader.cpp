@@ -95,6 +95,12 @@ Expected<StoredMaps<Dim>> read_arrays(Database& database, std::string_view rows)
     if (!take_number(*info, key, stored.log.skipped[key.substr(kSkipped.size())]))
       fault = "info " + printable(key) + " makes no sense";
   }
+  for (const auto& [name, factor] : kInflatedKinds) {
+    const std::string key = std::string(kInflated) + std::string(name);
+    if (info->contains(key) && !take_number(*info, key, stored.log.conventions.inflation.*factor)) {
+      fault = "info " + key + " makes no sense";
+    }
+  }
   const auto read = database.rows(rows, [&](const Statement& row) {
     bool is_taken = false;
     visit_arrays(stored.log, stored.segments, [&](std::string_view name, auto& records) {

@@ -51,6 +51,8 @@ inline constexpr const char* kFeatures = "features";
 inline constexpr const char* kSharedFeatures = "shared";
 /// The prefix of the keys that count what the reader of the log left out: "skipped self-edges".
 inline constexpr std::string_view kSkipped = "skipped ";
+/// The prefix of the keys of the factors on standard deviations that are not 1: "inflated closure".
+inline constexpr std::string_view kInflated = "inflated ";
 
 Expected<Info> read_info(Database& database);
 

@@ -41,6 +41,18 @@ class LogTest : public ::testing::Test {
 };
 TYPED_TEST_SUITE(LogTest, testing::Dimensions);
 
+TYPED_TEST(LogTest, IsInflatedByKind) {
+  auto log = TestFixture::small();
+  inflate({.closures = 2.0, .odometry = 4.0, .observations = 8.0, .priors = 16.0, .maps = 32.0}, log);
+  for (const auto& step : log.odometry()) EXPECT_EQ(step.information(0, 0), 1.0 / 16.0);
+  EXPECT_EQ(log.closures()[0].information(0, 0), 0.25);
+  EXPECT_EQ(log.observations()[0].information(0, 0), 1.0 / 64.0);
+  EXPECT_EQ(log.pose_priors()[0].information(0, 0), 1.0 / 256.0);
+  EXPECT_EQ(log.conventions.inflation.observations, 8.0);
+  use_identity_covariance(log);
+  EXPECT_EQ(log.conventions.inflation, Inflation{});
+}
+
 TYPED_TEST(LogTest, IsHeldByFixedPosesAndByPriors) {
   auto log = this->small();
   log.graph.pose_factors.pop_back();
