@@ -11,6 +11,8 @@
 #include <filesystem>
 #include <mapjoin/join/tolerances.hpp>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace mapjoin::apps {
 
@@ -64,6 +66,18 @@ std::string introduction(const ComparisonFigures& comparison) {
       "coordinates of the map, or relative to where each pose and feature hangs. In the end all minimise the same chi2, so "
       "that the least one is the best map: chi2 {:.10g} over {} degrees of freedom. {} of the {} ways reach it.",
       comparison.cases.size(), best.polished.chi2, best.run.dof, reached, comparison.cases.size());
+}
+
+/// The log, how its chi2 is weighed, and notes, as a list of terms.
+std::string description(const RunReport& run_report) {
+  std::vector<std::pair<std::string, std::string>> terms = {
+      {"Log", counts_in_words(run_report)},
+      {"chi2", conventions_in_words(run_report.conventions, run_report.dimension)},
+      {"Method", to_string(run_report.options.solver.method)}};
+  for (std::string& note : notes_of(run_report)) terms.emplace_back("Note", std::move(note));
+  std::string list = "<dl>\n";
+  for (const auto& [name, text] : terms) list += element("dt", name) + element("dd", text) + "\n";
+  return list + "</dl>\n";
 }
 
 /// Groups of cases that end in the same map, by its chi2; the best first.
@@ -132,13 +146,7 @@ template <int Dim>
 std::string compare_page(const RunReport& run_report, const Comparison<Dim>& comparison, const OtherWeights<Dim>& other,
                          const std::vector<NamedTable>& tables, const std::vector<Session>& sessions) {
   const std::string title = "Joining beside full SLAM: " + std::filesystem::path(run_report.input).filename().string();
-  std::string body = element("h1", title) + "\n" + paragraph(introduction(comparison)) + "<dl>\n";
-  for (const auto& [name, text] : {std::pair{"Log", counts_in_words(run_report)},
-                                   {"chi2", conventions_in_words(run_report.conventions, run_report.dimension)},
-                                   {"Method", to_string(run_report.options.solver.method)}}) {
-    body += element("dt", name) + element("dd", text) + "\n";
-  }
-  body += "</dl>\n";
+  std::string body = element("h1", title) + "\n" + paragraph(introduction(comparison)) + description(run_report);
   for (const auto& [name, note, table] : tables) {
     body += element("h2", name) + "\n" + table_of(table) + element("p", note, " class=\"note\"") + "\n";
   }
