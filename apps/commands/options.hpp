@@ -129,8 +129,9 @@ void add_engine(Subcommand& command, Options& options);
 void add_verdict(Subcommand& command, Options& options);
 /// --associate, --association: the names of features are ignored.
 void add_association(Subcommand& command, Options& options);
-/// --robust: wrong closures, observations and features of local maps are left out.
-void add_robust(Subcommand& command, Options& options);
+/// --robust: wrong closures, observations and features of local maps are left out; `told` says in the help where they are
+/// named.
+void add_robust(Subcommand& command, Options& options, const std::string& told);
 /// Adds --confidence for the options that `of` names, which must be added before.
 void add_confidence(Subcommand& command, Options& options, const std::string& of);
 /// --covariances, --relations, --truth, --max-memory

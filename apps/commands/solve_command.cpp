@@ -38,7 +38,7 @@ void declare_solve(Subcommand& command) {
   add_schedule(command, *options);
   add_solver(command, *options);
   add_engine(command, *options);
-  add_robust(command, *options);
+  add_robust(command, *options, "rejected.csv beside the map names them");
   add_confidence(command, *options, "--robust");
   add_reading(command, *options);
   add_verdict(command, *options);

@@ -8,6 +8,7 @@
 #include <apps/picture/picture.hpp>
 #include <apps/report/compare_report.hpp>
 #include <apps/report/report.hpp>
+#include <apps/report/verdict.hpp>
 #include <filesystem>
 #include <mapjoin/join/tolerances.hpp>
 #include <string_view>
@@ -68,12 +69,15 @@ std::string introduction(const ComparisonFigures& comparison) {
       comparison.cases.size(), best.polished.chi2, best.run.dof, reached, comparison.cases.size());
 }
 
-/// The log, how its chi2 is weighed, and notes, as a list of terms.
+/// The log, what was rejected of it, how its chi2 is weighed, and notes, as a list of terms.
 std::string description(const RunReport& run_report) {
   std::vector<std::pair<std::string, std::string>> terms = {
       {"Log", counts_in_words(run_report)},
       {"chi2", conventions_in_words(run_report.conventions, run_report.dimension)},
       {"Method", to_string(run_report.options.solver.method)}};
+  if (run_report.robust) {
+    terms.emplace_back("Rejected", rejected_in_words(run_report) + ": no map is made of these, nor does any chi2 count them");
+  }
   for (std::string& note : notes_of(run_report)) terms.emplace_back("Note", std::move(note));
   std::string list = "<dl>\n";
   for (const auto& [name, text] : terms) list += element("dt", name) + element("dd", text) + "\n";
