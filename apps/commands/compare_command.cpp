@@ -66,7 +66,7 @@ OtherWeights<Dim> other_weights(const Log<Dim>& log, const GlobalMap<Dim>& best,
     other.failure = result.error().message;
     return other;
   }
-  other.chi2 = result->chi2;
+  other.run = static_cast<const RunFigures&>(*result);
   other.map = std::move(result->map);
   other.from_best = map_difference(other.map, best);
   return other;
@@ -131,7 +131,8 @@ Json json_of(const RunReport& run_report, const ComparisonFigures& comparison, c
   for (const CaseFigures& figures : comparison.cases) json["cases"].push_back(json_of(comparison.spans, figures));
   const bool is_known = other.failure.empty();
   json["other_weights"] = {{"covariance", other.covariance}, {"failure", is_known ? Json() : Json(other.failure)}};
-  json["other_weights"].update(if_known(is_known, {{"chi2", other.chi2}, {"from_best", other.from_best}}));
+  json["other_weights"].update(
+      if_known(is_known, {{"chi2", other.run.chi2}, {"converged", other.run.converged()}, {"from_best", other.from_best}}));
   return json;
 }
 
@@ -140,8 +141,9 @@ std::string in_words(const OtherWeights<Dim>& other) {
   if (!other.failure.empty()) return other.failure;
   const MapDifference& apart = other.from_best;
   const std::string features = apart.features.count > 0 ? fmt::format(", features {:.2g} m", apart.features.rms) : "";
-  return fmt::format("chi2 {:.10g}; from the best map: poses {:.2g} m{} (RMS)", other.chi2, apart.poses.translation.rms,
-                     features);
+  const std::string unconverged = other.run.converged() ? "" : unconverged_in_words(other.run) + ", ";
+  return fmt::format("{}chi2 {:.10g}; from the best map: poses {:.2g} m{} (RMS)", unconverged, other.run.chi2,
+                     apart.poses.translation.rms, features);
 }
 
 template <int Dim>

@@ -136,8 +136,10 @@ std::string about_weights(const Comparison<Dim>& comparison, Covariance compared
   const auto layer_of = [&](const GlobalMap<Dim>& map, Covariance covariance, const char* colour, Mark mark) {
     return Layer{named(covariance), {colour}, trajectory_lines(map.poses, sessions), from_above(map.features), {}, 1.2, mark};
   };
-  return paragraph(fmt::format("The same log with the {} instead of the {}: the poses move by {}{}.", named(other.covariance),
-                               named(compared), size_of(apart.poses.translation), features)) +
+  const std::string unconverged =
+      other.run.converged() ? "" : fmt::format(" This map is no optimum: its solve {}.", unconverged_in_words(other.run));
+  return paragraph(fmt::format("The same log with the {} instead of the {}: the poses move by {}{}.{}", named(other.covariance),
+                               named(compared), size_of(apart.poses.translation), features, unconverged)) +
          figure({layer_of(other.map, other.covariance, kDistinctColours[1], Mark::kRing),
                  layer_of(comparison.maps[comparison.best].polished, compared, kDistinctColours[0], Mark::kDot)},
                 fmt::format("Trajectories, and features: rings with the {}, dots with the {}.", named(other.covariance),

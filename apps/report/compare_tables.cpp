@@ -121,13 +121,16 @@ bool has_truth(const ComparisonFigures& comparison) {
 
 }  // namespace
 
+std::string unconverged_in_words(const RunFigures& run) {
+  const MinimiseStatus last = (run.polish ? *run.polish : run.join).status;
+  return run.converged() ? "" : "did not converge: " + to_string(last);
+}
+
 std::string result_in_words(const CaseFigures& figures) {
   if (!figures.has_map()) return figures.failure;
-  const RunFigures& run = figures.run;
-  const MinimiseStatus last = (run.polish ? *run.polish : run.join).status;
-  if (!run.converged()) return "did not converge: " + to_string(last);
+  if (!figures.run.converged()) return unconverged_in_words(figures.run);
   const std::string where = figures.reaches_best ? "best" : "another minimum";
-  return run.join.status == MinimiseStatus::kConverged ? where : where + ", though the join did not converge";
+  return figures.run.join.status == MinimiseStatus::kConverged ? where : where + ", though the join did not converge";
 }
 
 std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Json& cases) {

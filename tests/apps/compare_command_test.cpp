@@ -67,6 +67,7 @@ TEST_F(Compare, ReportsEveryCase) {
     EXPECT_GT(one.at("system_bytes"), 0);
   }
   EXPECT_EQ(report.at("other_weights").at("covariance"), "identity");
+  EXPECT_EQ(report.at("other_weights").at("converged"), true);
 }
 
 TEST_F(Compare, AgreesWithARunOfEachCommand) {
