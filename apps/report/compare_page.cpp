@@ -115,7 +115,8 @@ std::string picture_of_solutions(const Comparison<Dim>& comparison, const std::v
     layer.is_framed = s == 0;
     layers.push_back(std::move(layer));
   }
-  std::string caption = "The best map: trajectory and features.";
+  const bool has_features = !comparison.maps[comparison.best].polished.features.empty();
+  std::string caption = fmt::format("The best map: trajectory{}.", has_features ? " and features" : "");
   if (drawn > 1) caption += " Beside it the trajectories of the other maps, as far as they lie within its frame.";
   if (solutions.size() > drawn) caption += fmt::format(" {} more are not drawn.", solutions.size() - drawn);
   return figure(layers, caption);
@@ -132,7 +133,8 @@ std::string about_weights(const Comparison<Dim>& comparison, Covariance compared
   const auto size_of = [](const ErrorSummary& errors) {
     return fmt::format("{:.2g} m (root mean square; {:.2g} m at most)", errors.rms, errors.max);
   };
-  const std::string features = apart.features.count > 0 ? ", the features by " + size_of(apart.features) : "";
+  const bool has_features = apart.features.count > 0;
+  const std::string features = has_features ? ", the features by " + size_of(apart.features) : "";
   const auto layer_of = [&](const GlobalMap<Dim>& map, Covariance covariance, const char* colour, Mark mark) {
     return Layer{named(covariance), {colour}, trajectory_lines(map.poses, sessions), from_above(map.features), {}, 1.2, mark};
   };
@@ -142,8 +144,10 @@ std::string about_weights(const Comparison<Dim>& comparison, Covariance compared
                                named(compared), size_of(apart.poses.translation), features, unconverged)) +
          figure({layer_of(other.map, other.covariance, kDistinctColours[1], Mark::kRing),
                  layer_of(comparison.maps[comparison.best].polished, compared, kDistinctColours[0], Mark::kDot)},
-                fmt::format("Trajectories, and features: rings with the {}, dots with the {}.", named(other.covariance),
-                            named(compared)));
+                has_features
+                    ? fmt::format("Trajectories, and features: rings with the {}, dots with the {}.", named(other.covariance),
+                                  named(compared))
+                    : fmt::format("Trajectories with the {} and with the {}.", named(other.covariance), named(compared)));
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Jso
   add_distances("polished", parts, distances);
   tables.push_back(
       {"How far its map is from the best one",
-       "Joined: before polishing. Poses and features as they stand, in the frame of the first pose. Over so many steps: the "
+       "Joined: before polishing. Positions as they stand, in the frame of the map. Over so many steps: the "
        "motion from every pose to the one so much later, root mean square of the differences of position. Ways of the same "
        "maps share a row.",
        short_table_of(distances, comparison, cases)});

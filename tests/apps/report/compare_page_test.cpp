@@ -7,6 +7,7 @@
 namespace mapjoin::apps {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -36,6 +37,16 @@ TEST_F(ComparePage, SaysWhereTheMapWithTheOtherWeightsIsNoOptimum) {
   EXPECT_THAT(page(), Not(HasSubstr("no optimum")));
   other.run.polish.emplace().status = MinimiseStatus::kMaxIterations;
   EXPECT_THAT(page(), HasSubstr("This map is no optimum: its solve did not converge: max_iterations."));
+}
+
+TEST_F(ComparePage, TellsOfFeaturesWhereThereAreAny) {
+  EXPECT_THAT(page(), AllOf(HasSubstr("The best map: trajectory."), Not(HasSubstr("rings"))));
+  EXPECT_THAT(page(), HasSubstr("Trajectories with the identity covariance and with the original covariance."));
+  map.feature_ids.push_back({7});
+  map.features.push_back(Point<2>(1.0, 1.0));
+  other.from_best.features.count = 1;
+  EXPECT_THAT(page(), HasSubstr("The best map: trajectory and features."));
+  EXPECT_THAT(page(), HasSubstr("Trajectories, and features: rings with the identity covariance, dots with the original"));
 }
 
 }  // namespace
