@@ -156,7 +156,7 @@ std::string summary_of(const RunReport& run_report, const ComparisonFigures& com
   lines.add("best", fmt::format("chi2 {:.10g}, dof {}", best.polished.chi2, best.run.dof));
   lines.add(to_string(other.covariance), in_words(other));
   for (const std::string& file : run_report.files) lines.add("written", file);
-  add_notes(run_report, lines);
+  for (const std::string& note : notes_of(run_report, comparison)) lines.add("note", note);
   std::string text = lines.text();
   for (const NamedTable& named : tables) text += fmt::format("\n{}\n{}", named.name, aligned(named.table));
   return text;

@@ -70,7 +70,7 @@ std::string introduction(const ComparisonFigures& comparison) {
 }
 
 /// The log, what was rejected of it, how its chi2 is weighed, and notes, as a list of terms.
-std::string description(const RunReport& run_report) {
+std::string description(const RunReport& run_report, const ComparisonFigures& comparison) {
   std::vector<std::pair<std::string, std::string>> terms = {
       {"Log", counts_in_words(run_report)},
       {"chi2", conventions_in_words(run_report.conventions, run_report.dimension)},
@@ -78,7 +78,7 @@ std::string description(const RunReport& run_report) {
   if (run_report.robust) {
     terms.emplace_back("Rejected", rejected_in_words(run_report) + ": no map is made of these, nor does any chi2 count them");
   }
-  for (std::string& note : notes_of(run_report)) terms.emplace_back("Note", std::move(note));
+  for (std::string& note : notes_of(run_report, comparison)) terms.emplace_back("Note", std::move(note));
   std::string list = "<dl>\n";
   for (const auto& [name, text] : terms) list += element("dt", name) + element("dd", text) + "\n";
   return list + "</dl>\n";
@@ -156,7 +156,7 @@ template <int Dim>
 std::string compare_page(const RunReport& run_report, const Comparison<Dim>& comparison, const OtherWeights<Dim>& other,
                          const std::vector<NamedTable>& tables, const std::vector<Session>& sessions) {
   const std::string title = "Joining beside full SLAM: " + std::filesystem::path(run_report.input).filename().string();
-  std::string body = element("h1", title) + "\n" + paragraph(introduction(comparison)) + description(run_report);
+  std::string body = element("h1", title) + "\n" + paragraph(introduction(comparison)) + description(run_report, comparison);
   for (const auto& [name, note, table] : tables) {
     body += element("h2", name) + "\n" + table_of(table) + element("p", note, " class=\"note\"") + "\n";
   }

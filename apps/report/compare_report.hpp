@@ -41,6 +41,9 @@ std::vector<std::vector<std::size_t>> grouped(const std::vector<std::size_t>& or
   return groups;
 }
 
+/// Notes on the data, and on lengths that cut the log into no local map.
+std::vector<std::string> notes_of(const RunReport& run_report, const ComparisonFigures& comparison);
+
 struct NamedTable {
   std::string name;
   std::string note;  ///< Meaning of its columns.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <apps/report/compare_report.hpp>
+#include <apps/report/report.hpp>
 #include <cmath>
 #include <numeric>
 
@@ -131,6 +132,18 @@ std::string result_in_words(const CaseFigures& figures) {
   if (!figures.run.converged()) return unconverged_in_words(figures.run);
   const std::string where = figures.reaches_best ? "best" : "another minimum";
   return figures.run.join.status == MinimiseStatus::kConverged ? where : where + ", though the join did not converge";
+}
+
+std::vector<std::string> notes_of(const RunReport& run_report, const ComparisonFigures& comparison) {
+  std::vector<std::string> notes = notes_of(run_report);
+  int told = 0;  // the length of the last note
+  for (const CaseFigures& figures : comparison.cases) {
+    const int length = figures.way.poses_per_map;
+    if (!figures.has_map() || figures.way.is_full_slam() || figures.run.local_maps > 0 || length == told) continue;
+    notes.push_back(no_map_in_words({SplitRule::kPoses, static_cast<double>(length)}));
+    told = length;
+  }
+  return notes;
 }
 
 std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Json& cases) {
