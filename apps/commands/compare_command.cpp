@@ -237,8 +237,7 @@ void declare_compare(Subcommand& command) {
   const auto options = std::make_shared<CompareOptions>();
   command.argument("LOG", options->input, kLogFormats);
   add_further_logs(command, *options);
-  add_parts(command, *options);
-  command.check([options] { return check_one_part(*options); });
+  add_one_part(command, *options);
   command.path("-o,--output", options->output, "DIR",
                "Write compare.json, compare.csv and compare.html into this folder, with --robust rejected.csv, too");
   command.list("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",

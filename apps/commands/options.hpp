@@ -103,8 +103,8 @@ void add_reading_of_truth(Subcommand& command, Options& options);
 void add_further(Subcommand& command, Options& options, const std::string& kind);
 /// Adds --parts: refuse, the largest, or all of them, for commands that make a map of each.
 void add_parts(Subcommand& command, Options& options);
-/// A violation, in words, if a command that makes one map is asked for all parts.
-std::vector<std::string> check_one_part(const Options& options);
+/// Adds --parts for commands that make one map: refuse, or the largest.
+void add_one_part(Subcommand& command, Options& options);
 /// Adds further logs by add_further(), and --stamps, --ids-are-nanoseconds.
 void add_further_logs(Subcommand& command, Options& options);
 /// --gps, --gps-lever, --gps-apart: fixes of a satellite receiver hold the map.
