@@ -34,32 +34,56 @@ namespace {
   fail(ErrorKind::kUsage, fmt::format("{} (see {} --help)", what, command));
 }
 
-/// The options that a sentence offers: words behind a semicolon that begin with --, and the argument for further inputs.
-std::set<std::string> options_in(const std::string& sentence) {
-  std::set<std::string> options;
+/// An option that a sentence offers, or the argument for further inputs, and the word behind it.
+struct Offer {
+  std::string option;
+  std::string word;
+};
+
+/// What a sentence offers behind its first semicolon.
+std::vector<Offer> offers_in(const std::string& sentence) {
+  std::vector<Offer> offers;
   std::istringstream words(sentence.substr(std::min(sentence.size(), sentence.find("; "))));
+  bool is_behind_option = false;
   for (std::string word; words >> word;) {
     const auto is_of_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-'; };
     word.erase(std::ranges::find_if_not(word, is_of_name), word.end());
-    if (word.starts_with("--") || word == kFurther) options.insert(word);
+    if (is_behind_option) offers.back().word = word;
+    is_behind_option = word.starts_with("--") || word == kFurther;
+    if (is_behind_option) offers.push_back({word, ""});
   }
-  return options;
+  return offers;
 }
 
-/// The sentence, followed by the commands that have the options which it offers and the chosen command lacks; after a run with
-/// them its folder, or one of each part in it, can be given in the place of the log. Unchanged if it names a command.
+/// What a command lacks of an offer: the option or, of a choice, the word, as in "--parts all"; empty if it lacks nothing.
+std::string lacking_of(const Offer& offer, const Subcommand& command, bool is_choice) {
+  if (!command.has(offer.option)) return offer.option;
+  return is_choice && !command.has_choice(offer.option, offer.word) ? offer.option + " " + offer.word : "";
+}
+
+/// What stands in the place of the log after a run with these options: its folder, or one of each part in it.
+std::string folder_after(const std::set<std::string>& options) {
+  if (options == std::set<std::string>{"--parts all"}) return "DIR/part_1, …";
+  const bool is_of_parts = options.contains("--parts") || options.contains("--parts all");
+  return is_of_parts ? "DIR, or with all DIR/part_1, …," : "DIR";
+}
+
+/// The sentence, followed by the commands that have what it offers and the chosen command lacks; a folder of a run with that
+/// can be given in the place of the log. Unchanged if it names a command.
 std::string with_owners(std::string sentence, const Subcommand& chosen, const CommandLine& line) {
   if (sentence.find("`mapjoin ") != sentence.npos) return sentence;
-  std::map<std::string, std::vector<std::string>> lacking;  // by the command that has them
-  for (const std::string& option : options_in(sentence)) {
-    const auto has = [&](const auto& command) { return command->has(option); };
-    const auto owner = std::ranges::find_if(line.commands, has);
-    if (!chosen.has(option) && owner != line.commands.end()) lacking[(*owner)->name()].push_back(option);
+  std::map<std::string, std::set<std::string>> lacking;  // by the command that has them
+  for (const Offer& offer : offers_in(sentence)) {
+    const auto has = [&](const auto& command) { return command->has(offer.option); };
+    const auto has_choice = [&](const auto& command) { return command->has_choice(offer.option, offer.word); };
+    const auto chooser = std::ranges::find_if(line.commands, has_choice);
+    const bool is_choice = chooser != line.commands.end();
+    const auto owner = is_choice ? chooser : std::ranges::find_if(line.commands, has);
+    const std::string lacked = lacking_of(offer, chosen, is_choice);
+    if (owner != line.commands.end() && !lacked.empty()) lacking[(*owner)->name()].insert(lacked);
   }
   for (const auto& [owner, options] : lacking) {
-    const bool is_of_parts = std::ranges::find(options, "--parts") != options.end();
-    const char* const folder = is_of_parts ? "DIR, or with all DIR/part_1, …," : "DIR";
-    const std::string then = owner == "run" ? fmt::format(" -o DIR`, and {} can be given here", folder) : "`";
+    const std::string then = owner == "run" ? fmt::format(" -o DIR`, and {} can be given here", folder_after(options)) : "`";
     sentence += fmt::format("; {} {} with `{} {}{}", fmt::join(options, " and "), options.size() == 1 ? "goes" : "go",
                             line.app->get_name(), owner, then);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ceres_slam.hpp"
 
+#include <algorithm>
 #include <deque>
 
 #include "ceres_costs.hpp"
@@ -135,7 +136,7 @@ int FullSlam<Dim>::solve(const CeresOptions& options) {
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem_, &summary);
-  return summary.num_successful_steps + summary.num_unsuccessful_steps;
+  return std::max(0, summary.num_successful_steps + summary.num_unsuccessful_steps - 1);  // Ceres counts the start, too
 }
 
 template <int Dim>

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -90,6 +91,11 @@ Expected<std::vector<SubmapUpdate<Dim>>> updates_of(const Log<Dim>& log, const A
   return submap_updates_of(log, segments, maps->maps);
 }
 
+/// An excess in words; empty if no chi2 was large enough to compare with.
+std::string excess_in_words(double excess) {
+  return std::isfinite(excess) ? fmt::format("{:.1e}", excess) : "";
+}
+
 template <int Dim>
 Expected<std::string> row(const std::string& name, std::vector<SubmapUpdate<Dim>> updates, const Arguments& arguments) {
   updates.resize(std::min(updates.size(), arguments.most));
@@ -99,9 +105,10 @@ Expected<std::string> row(const std::string& name, std::vector<SubmapUpdate<Dim>
     const double median = seconds[seconds.size() / 2];
     const double mean = std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size());
     const auto eliminated = static_cast<double>(course.eliminated) / static_cast<double>(seconds.size());
-    return fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.0f} | {:.0f} | {} | {:.0f} | {:.0f} | {:.1e} | {:.2f} |\n", name,
+    return fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.0f} | {:.0f} | {} | {:.0f} | {:.0f} | {} | {:.2f} |\n", name,
                        seconds.size(), 1e3 * median, 1e3 * mean, 1e3 * seconds.back(), eliminated, course.batch_adopted,
-                       1e3 * course.last.seconds, course.last.seconds / median, course.worst_excess, course.least_room);
+                       1e3 * course.last.seconds, course.last.seconds / median, excess_in_words(course.worst_excess),
+                       course.least_room);
   });
 }
 

@@ -53,9 +53,8 @@ void compare(const RunResult<Dim>& clean, const RunResult<Dim>& robust, OutlierS
 
 template <int Dim>
 Expected<void> print_map_identities(const std::string& name, const SubmapSet<Dim>& set, const MapIdentitiesOptions& options) {
-  const EffortMeter clean_meter;
-  if (const auto clean = run(SubmapSet<Dim>(set), without_verdict()); !clean) return tl::unexpected(clean.error());
-  const double clean_seconds = clean_meter.so_far().cpu_seconds;
+  const auto clean_seconds = clean_cpu_seconds(set);
+  if (!clean_seconds) return tl::unexpected(clean_seconds.error());
   RunOptions join = without_verdict();
   join.marginals = true;
   const auto clean = run(SubmapSet<Dim>(set), join);
@@ -74,7 +73,7 @@ Expected<void> print_map_identities(const std::string& name, const SubmapSet<Dim
       fmt::print("{},identities,{:.3f},{},mapjoin,{},{},{},{},{},{},{},{:.5f},{:.5f},{:.4g},,{},{:.2f},{:.2f}\n", name, share,
                  seed, s.right, s.wrong + s.undecided, s.wrong, s.wrong_rejected, s.wrong - s.wrong_rejected,
                  s.undecided - s.undecided_rejected, s.right_rejected, s.precision(), s.recall(), s.rms, s.features_off,
-                 seconds, seconds / clean_seconds);
+                 seconds, seconds / *clean_seconds);
       std::fflush(stdout);
     }
   }

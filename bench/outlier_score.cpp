@@ -79,20 +79,19 @@ void add_membership(std::span<const Factor> all, std::span<const Factor> some, s
   }
 }
 
-/// CPU time of run() without a verdict: the median of three, since the first is slower.
-template <int Dim>
-Expected<double> clean_cpu_seconds(const Log<Dim>& log) {
+}  // namespace
+
+template <typename Data>
+Expected<double> clean_cpu_seconds(const Data& data) {
   std::array<double, 3> seconds{};
   for (double& time : seconds) {
     const EffortMeter meter;
-    if (const auto result = run(log, without_verdict()); !result) return tl::unexpected(result.error());
+    if (const auto result = run(data, without_verdict()); !result) return tl::unexpected(result.error());
     time = meter.so_far().cpu_seconds;
   }
   std::ranges::sort(seconds);
   return seconds[1];
 }
-
-}  // namespace
 
 template <int Dim>
 double rms_between(const Table<PoseIndex, Pose<Dim>>& a, const Table<PoseIndex, Pose<Dim>>& b) {
@@ -196,6 +195,8 @@ OutlierScore score(const CleanMap<Dim>& clean, const Spoilt<Dim>& spoilt, const 
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                             \
+  template Expected<double> clean_cpu_seconds(const Log<Dim>&);                                              \
+  template Expected<double> clean_cpu_seconds(const SubmapSet<Dim>&);                                        \
   template double rms_between<Dim>(const Table<PoseIndex, Pose<Dim>>&, const Table<PoseIndex, Pose<Dim>>&);  \
   template std::size_t count_features_off<Dim>(const Table<FeatureIndex, Point<Dim>>&,                       \
                                                const Table<FeatureIndex, PointMatrix<Dim>>&,                 \

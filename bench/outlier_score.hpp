@@ -11,13 +11,18 @@
 
 namespace mapjoin::bench {
 
+/// CPU time of run() without a verdict on a log or a set of local maps: the median of three, since the first is slower. Errors
+/// are those of run().
+template <typename Data>
+Expected<double> clean_cpu_seconds(const Data& data);
+
 /// The map of a log without planted measurements, by which planted ones are judged.
 template <int Dim>
 struct CleanMap {
   Log<Dim> log;
   Values<Dim> values;
   double chi2 = 0.0;
-  double cpu_seconds = 0.0;  ///< CPU time of run() without a verdict.
+  double cpu_seconds = 0.0;  ///< See clean_cpu_seconds().
   MarginalCovariances<Dim> marginals;
   std::shared_ptr<const MapCovariances<Dim>> covariances;
 };

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <mapjoin/io/open.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -161,17 +162,28 @@ Expected<void> run_set(const std::string& name, const Arguments& arguments) {
       *opened);
 }
 
+/// Like run_set(); bad input, too, if a set is too small for what is to be planted.
+Expected<void> try_set(const std::string& name, const Arguments& arguments) {
+  try {
+    return run_set(name, arguments);
+  } catch (const std::invalid_argument& too_small) {
+    return bad_input(too_small.what());
+  }
+}
+
+/// Goes through all sets; returns the exit code, 3 if there is one that cannot be read, or is too small.
 int run_sets(const Arguments& arguments) {
   fmt::print(
       "set,planted as,share,seed,method,right,planted,wrong,wrong rejected,wrong kept,undecided kept,right rejected,"
       "precision,recall,rms (m),chi2 over clean,features off,cpu (s),cpu over clean\n");
+  int exit_code = 0;
   for (const std::string& set : arguments.sets) {
-    if (const auto done = run_set(set, arguments); !done) {
-      fmt::print(stderr, "mapjoin_outliers: {}: {}\n", set, done.error().message);
-      return 3;
-    }
+    const auto done = try_set(set, arguments);
+    if (done) continue;
+    fmt::print(stderr, "mapjoin_outliers: {}: {}\n", set, done.error().message);
+    exit_code = 3;
   }
-  return 0;
+  return exit_code;
 }
 
 }  // namespace

@@ -61,20 +61,19 @@ Expected<void> optimise(const Data& data, const Arguments& arguments) {
 }
 
 Expected<void> run(const Arguments& arguments) {
+  const auto weighed_as_asked = [&](auto& data) {
+    if (arguments.identity) use_identity_covariance(data);
+    return optimise(data, arguments);
+  };
   const bool is_archive = arguments.file.string().find(".tar") != std::string::npos;
   if (is_archive || std::filesystem::is_directory(arguments.file)) {
-    const auto set = read_local_map_set(arguments.file, arguments.read);
+    auto set = read_local_map_set(arguments.file, arguments.read);
     if (!set) return tl::unexpected(set.error());
-    return std::visit([&](const auto& maps) { return optimise(maps, arguments); }, *set);
+    return std::visit(weighed_as_asked, *set);
   }
   auto opened = open_log(arguments.file, arguments.read);
   if (!opened) return tl::unexpected(opened.error());
-  return std::visit(
-      [&](auto& log) {
-        if (arguments.identity) use_identity_covariance(log);
-        return optimise(log, arguments);
-      },
-      *opened);
+  return std::visit(weighed_as_asked, *opened);
 }
 
 }  // namespace

@@ -47,9 +47,24 @@ Expected<AnyData> read(const std::filesystem::path& path, bool identity) {
       *set);
 }
 
+/// The name of the file, behind that of its folder if the path has one.
 std::string name_of(const std::filesystem::path& path) {
-  const auto folder = path.parent_path().filename().string();
-  return fmt::format("{}/{}", folder, path.filename().string());
+  return (path.parent_path().filename() / path.filename()).string();
+}
+
+/// Does the work on what is in each file, and says what went wrong; returns the exit code, 3 if anything did.
+template <typename Work>
+int on_each(const Arguments& arguments, Work&& work) {
+  int exit_code = 0;
+  for (const auto& path : arguments.files) {
+    const auto done = read(path, arguments.identity).and_then([&](const AnyData& data) -> Expected<void> {
+      return work(name_of(path), data);
+    });
+    if (done) continue;
+    fmt::print(stderr, "mapjoin_tables: {}\n", done.error().message);
+    exit_code = 3;
+  }
+  return exit_code;
 }
 
 std::string status_of(const MinimiseResult& result) {
@@ -57,29 +72,25 @@ std::string status_of(const MinimiseResult& result) {
                      result.status == MinimiseStatus::kConverged ? "" : " (" + to_string(result.status) + ")");
 }
 
-void schedules(const Arguments& arguments) {
+int schedules(const Arguments& arguments) {
   fmt::print(
       "| data | schedule | iterations of the last join | chi2 of the join | recovered | polished | dof |\n"
       "|---|---|---|---|---|---|---|\n");
-  for (const auto& path : arguments.files) {
-    const auto data = read(path, arguments.identity);
-    if (!data) {
-      fmt::print(stderr, "{}\n", data.error().message);
-      continue;
-    }
+  return on_each(arguments, [](const std::string& name, const AnyData& data) -> Expected<void> {
     for (const Schedule schedule : {Schedule::kAligned, Schedule::kTree, Schedule::kSequential, Schedule::kBatch}) {
       RunOptions options = without_verdict();
       options.schedule = schedule;
       const auto print = [&](const auto& result) {
-        if (!result) return fmt::print("| {} | {} | {} |\n", name_of(path), to_string(schedule), result.error().message);
-        fmt::print("| {} | {} | {} | {:.4f} | {} | {} | {} |\n", name_of(path), to_string(schedule), status_of(result->join),
+        if (!result) return fmt::print("| {} | {} | {} |\n", name, to_string(schedule), result.error().message);
+        fmt::print("| {} | {} | {} | {:.4f} | {} | {} | {} |\n", name, to_string(schedule), status_of(result->join),
                    result->join.chi2, result->recovered_chi2 ? fmt::format("{:.4f}", *result->recovered_chi2) : "",
                    result->polish ? fmt::format("{:.4f}", result->polish->chi2) : "", result->dof);
       };
-      std::visit([&](const auto& any) { print(run(any, options)); }, *data);
+      std::visit([&](const auto& any) { print(run(any, options)); }, data);
       std::fflush(stdout);
     }
-  }
+    return {};
+  });
 }
 
 /// The largest distance between the same poses of two maps, and between the same features (m).
@@ -94,38 +105,41 @@ std::pair<double, double> differences(const GlobalMap<Dim>& a, const GlobalMap<D
   return {poses, features};
 }
 
+/// How many times one chi2 is the other; empty if that is 0.
+std::string ratio_of(double chi2, double least) {
+  return least > 0.0 ? fmt::format("{:.8f}", chi2 / least) : "";
+}
+
 template <int Dim>
-void splits_of(const Log<Dim>& log, const Arguments& arguments, const std::string& name) {
+Expected<void> splits_of(const Log<Dim>& log, const Arguments& arguments, const std::string& name) {
   RunOptions options = without_verdict();
   options.split = {SplitRule::kPoses, arguments.poses_per_map.front()};
   const auto first = run(log, options);
-  if (!first) return fmt::print(stderr, "{}\n", first.error().message);
+  if (!first) return tl::unexpected(first.error());
   for (const double steps : arguments.poses_per_map) {
     options.split = {SplitRule::kPoses, steps};
     const auto result = run(log, options);
-    if (!result) return fmt::print(stderr, "{}\n", result.error().message);
+    if (!result) return tl::unexpected(result.error());
     const auto [poses, features] = differences(first->map, result->map);
-    fmt::print("| {} | {} | {} | {:.6f} | {:.8f} | {:.7f} | {:.1e} | {:.1e} |\n", name, steps, result->local_maps,
-               *result->recovered_chi2, *result->recovered_chi2 / result->chi2, result->chi2, poses, features);
+    fmt::print("| {} | {} | {} | {:.6f} | {} | {:.7f} | {:.1e} | {:.1e} |\n", name, steps, result->local_maps,
+               *result->recovered_chi2, ratio_of(*result->recovered_chi2, result->chi2), result->chi2, poses, features);
     std::fflush(stdout);
   }
+  return {};
+}
+template <int Dim>
+Expected<void> splits_of(const SubmapSet<Dim>& set, const Arguments&, const std::string&) {
+  return bad_input_of(set.source, "local maps are cut already: this table is of logs");
 }
 
-void splits(const Arguments& arguments) {
+int splits(const Arguments& arguments) {
   fmt::print(
       "| data | poses per map | maps | chi2 before polishing | ratio | after | largest difference of poses (m) | of features "
       "(m) |\n"
       "|---|---|---|---|---|---|---|---|\n");
-  for (const auto& path : arguments.files) {
-    const auto data = read(path, arguments.identity);
-    if (!data) {
-      fmt::print(stderr, "{}\n", data.error().message);
-    } else if (const auto* log = std::get_if<Log<2>>(&*data)) {
-      splits_of(*log, arguments, name_of(path));
-    } else if (const auto* spatial = std::get_if<Log<3>>(&*data)) {
-      splits_of(*spatial, arguments, name_of(path));
-    }
-  }
+  return on_each(arguments, [&](const std::string& name, const AnyData& data) {
+    return std::visit([&](const auto& any) { return splits_of(any, arguments, name); }, data);
+  });
 }
 
 template <int Dim>
@@ -145,26 +159,21 @@ std::string course_of(const Expected<MinimiseResult>& result) {
   return course + (result->status == MinimiseStatus::kConverged ? "" : " (" + to_string(result->status) + ")");
 }
 
-void courses(const Arguments& arguments) {
+int courses(const Arguments& arguments) {
   fmt::print("| data | state | iterations | chi2 of the start and after each iteration |\n|---|---|---|---|\n");
-  for (const auto& path : arguments.files) {
-    const auto data = read(path, arguments.identity);
-    if (!data) {
-      fmt::print(stderr, "{}\n", data.error().message);
-      continue;
-    }
+  return on_each(arguments, [&](const std::string& name, const AnyData& data) -> Expected<void> {
     for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
       RunOptions options = without_verdict();
       options.schedule = Schedule::kBatch;
       options.state = state;
       options.solver.method = Method::kGaussNewton;
       options.solver.max_iterations = arguments.iterations;
-      const auto result = std::visit([&](const auto& any) { return all_at_once(any, options); }, *data);
-      fmt::print("| {} | {} | {} | {} |\n", name_of(path), to_string(state), result ? result->iterations : 0,
-                 course_of(result));
+      const auto result = std::visit([&](const auto& any) { return all_at_once(any, options); }, data);
+      fmt::print("| {} | {} | {} | {} |\n", name, to_string(state), result ? result->iterations : 0, course_of(result));
       std::fflush(stdout);
     }
-  }
+    return {};
+  });
 }
 
 }  // namespace
@@ -184,7 +193,6 @@ int main(int argc, char** argv) {
   splits->add_option("--poses-per-map", arguments.poses_per_map, "Numbers to compare")->delimiter(',');
   courses->add_option("--iterations", arguments.iterations, "At most so many")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  if (*courses) mapjoin::courses(arguments);
-  if (*schedules) mapjoin::schedules(arguments);
-  if (*splits) mapjoin::splits(arguments);
+  if (*courses) return mapjoin::courses(arguments);
+  return *schedules ? mapjoin::schedules(arguments) : mapjoin::splits(arguments);
 }

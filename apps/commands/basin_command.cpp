@@ -100,6 +100,7 @@ std::string table_of(const Basin& basin, const RunReport& run_report) {
   }
   add_convention(run_report, lines);
   lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
+  add_notes(run_report, lines);
   for (const SplitOptions& split : splits_without_maps(basin)) lines.add("note", no_map_in_words(split));
   ReportTable table;
   for (const char* heading : {"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}) {

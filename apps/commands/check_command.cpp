@@ -146,7 +146,8 @@ void fit_values(const SubmapSet<Dim>& set, Checked&) {
 
 template <typename Content>
 Checked checked_content(CommandRun& command_run, CheckedEstimate estimate, const Content& content) {
-  Checked checked{estimate, check_structure(content), {}, 0};
+  Checked checked{estimate, rejected_findings(command_run.run_report), {}, 0};
+  checked.add(check_structure(content));
   if constexpr (requires { content.odometry(); }) {
     checked.add(check_repeats(content));
     checked.add(check_units(content));
@@ -256,7 +257,7 @@ void declare_check(Subcommand& command) {
   command.option("--most", "N|all", "Name so many places of a finding [3; in the report 20]",
                  [options](const std::string& word) { return take_most(word, *options); });
   command.path("-o,--output", options->output, "FILE", "Write what is out of line with the joined map, as CSV");
-  add_robust(command, *options);
+  add_robust(command, *options, "the finding rejected names them");
   add_confidence(command, *options, "--robust");
   add_reading(command, *options);
   add_inflation(command, *options);

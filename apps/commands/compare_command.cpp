@@ -9,6 +9,7 @@
 #include <apps/report/compare_report.hpp>
 #include <apps/report/errors.hpp>
 #include <apps/report/report.hpp>
+#include <apps/report/verdict.hpp>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -23,13 +24,18 @@ static void to_json(apps::Json& json, const MapDifference& difference) {
 namespace apps {
 namespace {
 
-const std::vector<std::string> kFiles = {"compare.json", "compare.csv", "compare.html"};
-
 constexpr int kLongestMap = 1'000'000;
 
 struct CompareOptions : Options {
   std::vector<int> poses_per_map = {5, 20, 60};
 };
+
+/// The names of the files of the folder.
+std::vector<std::string> names_of(const Options& options) {
+  std::vector<std::string> names = {"compare.json", "compare.csv", "compare.html"};
+  if (options.robust) names.emplace_back(name_in_folder(Extra::kRejected));
+  return names;
+}
 
 /// A number of poses from 2 on: 1 would be full SLAM, which is there in any case.
 std::optional<int> poses_in(const std::string& word) {
@@ -60,7 +66,7 @@ OtherWeights<Dim> other_weights(const Log<Dim>& log, const GlobalMap<Dim>& best,
     other.failure = result.error().message;
     return other;
   }
-  other.chi2 = result->chi2;
+  other.run = static_cast<const RunFigures&>(*result);
   other.map = std::move(result->map);
   other.from_best = map_difference(other.map, best);
   return other;
@@ -125,7 +131,8 @@ Json json_of(const RunReport& run_report, const ComparisonFigures& comparison, c
   for (const CaseFigures& figures : comparison.cases) json["cases"].push_back(json_of(comparison.spans, figures));
   const bool is_known = other.failure.empty();
   json["other_weights"] = {{"covariance", other.covariance}, {"failure", is_known ? Json() : Json(other.failure)}};
-  json["other_weights"].update(if_known(is_known, {{"chi2", other.chi2}, {"from_best", other.from_best}}));
+  json["other_weights"].update(
+      if_known(is_known, {{"chi2", other.run.chi2}, {"converged", other.run.converged()}, {"from_best", other.from_best}}));
   return json;
 }
 
@@ -134,8 +141,9 @@ std::string in_words(const OtherWeights<Dim>& other) {
   if (!other.failure.empty()) return other.failure;
   const MapDifference& apart = other.from_best;
   const std::string features = apart.features.count > 0 ? fmt::format(", features {:.2g} m", apart.features.rms) : "";
-  return fmt::format("chi2 {:.10g}; from the best map: poses {:.2g} m{} (RMS)", other.chi2, apart.poses.translation.rms,
-                     features);
+  const std::string unconverged = other.run.converged() ? "" : unconverged_in_words(other.run) + ", ";
+  return fmt::format("{}chi2 {:.10g}; from the best map: poses {:.2g} m{} (RMS)", unconverged, other.run.chi2,
+                     apart.poses.translation.rms, features);
 }
 
 template <int Dim>
@@ -148,6 +156,7 @@ std::string summary_of(const RunReport& run_report, const ComparisonFigures& com
   lines.add("best", fmt::format("chi2 {:.10g}, dof {}", best.polished.chi2, best.run.dof));
   lines.add(to_string(other.covariance), in_words(other));
   for (const std::string& file : run_report.files) lines.add("written", file);
+  for (const std::string& note : notes_of(run_report, comparison)) lines.add("note", note);
   std::string text = lines.text();
   for (const NamedTable& named : tables) text += fmt::format("\n{}\n{}", named.name, aligned(named.table));
   return text;
@@ -163,6 +172,7 @@ StudyOutput compare_output(const Comparison<Dim>& comparison, const OtherWeights
   output.files = {{"compare.json", output.json},
                   {"compare.csv", csv(whole_table(comparison, report["cases"]))},
                   {"compare.html", compare_page(run_report, comparison, other, tables, log.sessions)}};
+  if (run_report.robust) output.files.emplace_back(name_in_folder(Extra::kRejected), rejected_as_csv(run_report));
   return output;
 }
 
@@ -178,6 +188,14 @@ void demand_shared_features(const CommandRun& command_run, const Log<Dim>& log) 
   if (result) command_run.check_shared_features(log, *result);  // otherwise compare() says why
 }
 
+/// Says where an earlier call left rejected measurements in the folder. They may be of a run that the user keeps.
+void say_what_is_left(const OutputFolder& folder) {
+  const std::filesystem::path file = folder.file(name_in_folder(Extra::kRejected));
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) return;
+  say(file.string() + ": was there before, and this call did not write it; unless it is of a map that you keep, remove it");
+}
+
 /// Compares on a log, which has the weights of its file.
 template <int Dim>
 ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
@@ -190,10 +208,11 @@ ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, cons
   command_run.run_report.conventions = here.conventions;
   const Comparison<Dim> comparison = compared(command_run, options, here, truth_of(log, command_run));
   const auto other = other_weights(by_identity ? log : identity, comparison.maps[comparison.best].polished, command_run);
-  for (const std::string& name : kFiles) {
+  for (const std::string& name : names_of(options)) {
     if (folder) command_run.run_report.files.push_back(folder->file(name).string());
   }
   command_run.hand_over(compare_output(comparison, other, log, command_run.run_report), folder);
+  if (folder && !options.robust) say_what_is_left(*folder);
   if (comparison.cases[comparison.best].run.converged()) return ExitCode::kDone;
   say("the best map did not converge");
   return ExitCode::kDidNotConverge;
@@ -218,19 +237,20 @@ void declare_compare(Subcommand& command) {
   const auto options = std::make_shared<CompareOptions>();
   command.argument("LOG", options->input, kLogFormats);
   add_further_logs(command, *options);
-  add_parts(command, *options);
-  command.check([options] { return check_one_part(*options); });
-  command.path("-o,--output", options->output, "DIR", "Write compare.json, compare.csv and compare.html into this folder");
+  add_one_part(command, *options);
+  command.path("-o,--output", options->output, "DIR",
+               "Write compare.json, compare.csv and compare.html into this folder, with --robust rejected.csv, too");
   command.list("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
                options->poses_per_map, poses_in,
                fmt::format("not whole numbers from 2 to {} with commas between them", kLongestMap));
   command.path("--truth", options->truth, "FILE", "Measure the errors against this map, too: " + kTruthFiles);
-  add_robust(command, *options);
+  add_robust(command, *options, "rejected.csv in the folder names them");
   add_confidence(command, *options, "--robust");
   add_reading(command, *options);
   add_inflation(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return output_conflicts(inputs_of(*options, "LOG"), outputs_of_folder(*options, kFiles)); });
+  command.check(
+      [options] { return output_conflicts(inputs_of(*options, "LOG"), outputs_of_folder(*options, names_of(*options))); });
   command.act([options](const std::stop_token& stop) { return compare_log(*options, stop); });
 }
 

@@ -83,6 +83,7 @@ std::string table_of(const Convexity& found, const Json& formulations, const Con
   lines.add("bent down", "share of lambda at which the curvature of F is negative");
   lines.add("linear", "share of the rows that are linear in the state, and of the information that the estimate has from them");
   lines.add("one step", "of Gauss-Newton from the composed start: its share of the whole decrease");
+  add_notes(run_report, lines);
   const bool is_cut_here = !may_hold_maps(asked.input);
   if (is_cut_here && found.back().maps == 0) lines.add("note", no_map_in_words(asked.run.split));
   ReportTable table{{{"", ""},

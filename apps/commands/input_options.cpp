@@ -202,14 +202,21 @@ void add_gps(Subcommand& command, Options& options) {
 
 void add_parts(Subcommand& command, Options& options) {
   command.group("Reading");
-  command.choice(
-      "--parts", options.parts,
-      "Of a log whose parts nothing ties together: none, the largest, or all (with `run -o DIR`: a folder for each)");
+  command.choice("--parts", options.parts,
+                 "Of a log whose parts nothing ties together: none, the largest, or all (with -o DIR: a folder for each)");
 }
 
-std::vector<std::string> check_one_part(const Options& options) {
-  if (options.parts != Parts::kAll) return {};
-  return {"--parts all makes a map of each part: it goes with `mapjoin run -o DIR`"};
+void add_one_part(Subcommand& command, Options& options) {
+  command.group("Reading");
+  command.option("--parts", "refuse|largest",
+                 "Of a log whose parts nothing ties together: none, or the largest; `mapjoin run --parts all -o DIR` makes a "
+                 "map of each [refuse]",
+                 [&options](const std::string& word) -> std::optional<std::string> {
+                   if (word == "all") return "which makes a map of each part: it goes with `mapjoin run -o DIR`";
+                   if (word != "refuse" && word != "largest") return "not refuse or largest";
+                   options.parts = word == "largest" ? Parts::kLargest : Parts::kRefuse;
+                   return std::nullopt;
+                 });
 }
 
 }  // namespace mapjoin::apps

@@ -71,7 +71,7 @@ void declare_join(Subcommand& command) {
   add_reading_of_truth(command, *options);
   add_verdict(command, *options);
   add_association(command, *options);
-  add_robust(command, *options);
+  add_robust(command, *options, "rejected.csv beside the map names them");
   add_confidence(command, *options, "--associate and --robust");
   add_certainty(command, *options);
   add_reporting(command, *options);

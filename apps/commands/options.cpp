@@ -180,11 +180,11 @@ void add_association(Subcommand& command, Options& options) {
   });
 }
 
-void add_robust(Subcommand& command, Options& options) {
+void add_robust(Subcommand& command, Options& options, const std::string& told) {
   command.group("Outliers");
   command.flag("--robust",
-               "Find closures, observations and features of local maps that contradict the others, and leave them out: see "
-               "rejected.csv; --robust=all doubts the odometry of a log, too",
+               "Find closures, observations and features of local maps that contradict the others, and leave them out: " +
+                   told + "; --robust=all doubts the odometry of a log, too",
                [&options](const std::string& word) -> std::optional<std::string> {
                  if (!word.empty() && word != kAll) return "but takes the word all, or none";
                  options.robust.emplace().odometry = word == kAll;

@@ -105,8 +105,8 @@ void add_reading_of_truth(Subcommand& command, Options& options);
 void add_further(Subcommand& command, Options& options, const std::string& kind);
 /// Adds --parts: refuse, the largest, or all of them, for commands that make a map of each.
 void add_parts(Subcommand& command, Options& options);
-/// A violation, in words, if a command that makes one map is asked for all parts.
-std::vector<std::string> check_one_part(const Options& options);
+/// Adds --parts for commands that make one map: refuse, or the largest.
+void add_one_part(Subcommand& command, Options& options);
 /// Adds further logs by add_further(), and --stamps, --ids-are-nanoseconds.
 void add_further_logs(Subcommand& command, Options& options);
 /// --gps, --gps-lever, --gps-apart: fixes of a satellite receiver hold the map.
@@ -133,8 +133,9 @@ void add_engine(Subcommand& command, Options& options);
 void add_verdict(Subcommand& command, Options& options);
 /// --associate, --association: the names of features are ignored.
 void add_association(Subcommand& command, Options& options);
-/// --robust: wrong closures, observations and features of local maps are left out.
-void add_robust(Subcommand& command, Options& options);
+/// --robust: wrong closures, observations and features of local maps are left out; `told` says in the help where they are
+/// named.
+void add_robust(Subcommand& command, Options& options, const std::string& told);
 /// Adds --confidence for the options that `of` names, which must be added before.
 void add_confidence(Subcommand& command, Options& options, const std::string& of);
 /// --covariances, --relations, --truth, --max-memory

@@ -235,7 +235,7 @@ void declare_run(Subcommand& command) {
   add_engine(command, *options);
   add_polish(command, *options);
   add_association(command, *options);
-  add_robust(command, *options);
+  add_robust(command, *options, "rejected.csv in the folder, or beside the map, names them");
   add_confidence(command, *options, "--associate and --robust");
   add_reading(command, *options);
   add_inflation(command, *options);

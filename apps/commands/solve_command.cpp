@@ -32,13 +32,12 @@ void declare_solve(Subcommand& command) {
   command.argument("LOG", options->input, kLogFormats);
   command.path("-o,--output", options->output, "MAP", kMapFile);
   add_further_logs(command, *options);
-  add_parts(command, *options);
+  add_one_part(command, *options);
   add_gps(command, *options);
-  command.check([options] { return check_one_part(*options); });
   add_schedule(command, *options);
   add_solver(command, *options);
   add_engine(command, *options);
-  add_robust(command, *options);
+  add_robust(command, *options, "rejected.csv beside the map names them");
   add_confidence(command, *options, "--robust");
   add_reading(command, *options);
   add_inflation(command, *options);

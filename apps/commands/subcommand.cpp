@@ -100,6 +100,15 @@ bool Subcommand::has(const std::string& name) const {
   return app_->get_option_no_throw(name) != nullptr;
 }
 
+bool Subcommand::has_choice(const std::string& name, const std::string& word) const {
+  const CLI::Option* option = app_->get_option_no_throw(name);
+  std::istringstream choices(option ? option->get_type_name() : "");
+  for (std::string choice; std::getline(choices, choice, '|');) {
+    if (choice == word) return true;
+  }
+  return false;
+}
+
 bool Subcommand::is_given(const std::string& name) const {
   const CLI::Option* option = app_->get_option_no_throw(name);
   return option != nullptr && option->count() > 0;

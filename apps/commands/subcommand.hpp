@@ -158,6 +158,8 @@ class Subcommand {
 
   /// True if there is such an option.
   bool has(const std::string& name) const;
+  /// True if there is such an option, and it is a choice that has this word.
+  bool has_choice(const std::string& name, const std::string& word) const;
   /// True if the option exists and was given.
   bool is_given(const std::string& name) const;
   bool is_chosen() const;

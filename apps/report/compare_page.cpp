@@ -8,9 +8,12 @@
 #include <apps/picture/picture.hpp>
 #include <apps/report/compare_report.hpp>
 #include <apps/report/report.hpp>
+#include <apps/report/verdict.hpp>
 #include <filesystem>
 #include <mapjoin/join/tolerances.hpp>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace mapjoin::apps {
 
@@ -66,6 +69,21 @@ std::string introduction(const ComparisonFigures& comparison) {
       comparison.cases.size(), best.polished.chi2, best.run.dof, reached, comparison.cases.size());
 }
 
+/// The log, what was rejected of it, how its chi2 is weighed, and notes, as a list of terms.
+std::string description(const RunReport& run_report, const ComparisonFigures& comparison) {
+  std::vector<std::pair<std::string, std::string>> terms = {
+      {"Log", counts_in_words(run_report)},
+      {"chi2", conventions_in_words(run_report.conventions, run_report.dimension)},
+      {"Method", to_string(run_report.options.solver.method)}};
+  if (run_report.robust) {
+    terms.emplace_back("Rejected", rejected_in_words(run_report) + ": no map is made of these, nor does any chi2 count them");
+  }
+  for (std::string& note : notes_of(run_report, comparison)) terms.emplace_back("Note", std::move(note));
+  std::string list = "<dl>\n";
+  for (const auto& [name, text] : terms) list += element("dt", name) + element("dd", text) + "\n";
+  return list + "</dl>\n";
+}
+
 /// Groups of cases that end in the same map, by its chi2; the best first.
 std::vector<std::vector<std::size_t>> solutions_of(const std::vector<CaseFigures>& cases) {
   std::vector<std::size_t> order;
@@ -97,7 +115,8 @@ std::string picture_of_solutions(const Comparison<Dim>& comparison, const std::v
     layer.is_framed = s == 0;
     layers.push_back(std::move(layer));
   }
-  std::string caption = "The best map: trajectory and features.";
+  const bool has_features = !comparison.maps[comparison.best].polished.features.empty();
+  std::string caption = fmt::format("The best map: trajectory{}.", has_features ? " and features" : "");
   if (drawn > 1) caption += " Beside it the trajectories of the other maps, as far as they lie within its frame.";
   if (solutions.size() > drawn) caption += fmt::format(" {} more are not drawn.", solutions.size() - drawn);
   return figure(layers, caption);
@@ -114,16 +133,21 @@ std::string about_weights(const Comparison<Dim>& comparison, Covariance compared
   const auto size_of = [](const ErrorSummary& errors) {
     return fmt::format("{:.2g} m (root mean square; {:.2g} m at most)", errors.rms, errors.max);
   };
-  const std::string features = apart.features.count > 0 ? ", the features by " + size_of(apart.features) : "";
+  const bool has_features = apart.features.count > 0;
+  const std::string features = has_features ? ", the features by " + size_of(apart.features) : "";
   const auto layer_of = [&](const GlobalMap<Dim>& map, Covariance covariance, const char* colour, Mark mark) {
     return Layer{named(covariance), {colour}, trajectory_lines(map.poses, sessions), from_above(map.features), {}, 1.2, mark};
   };
-  return paragraph(fmt::format("The same log with the {} instead of the {}: the poses move by {}{}.", named(other.covariance),
-                               named(compared), size_of(apart.poses.translation), features)) +
+  const std::string unconverged =
+      other.run.converged() ? "" : fmt::format(" This map is no optimum: its solve {}.", unconverged_in_words(other.run));
+  return paragraph(fmt::format("The same log with the {} instead of the {}: the poses move by {}{}.{}", named(other.covariance),
+                               named(compared), size_of(apart.poses.translation), features, unconverged)) +
          figure({layer_of(other.map, other.covariance, kDistinctColours[1], Mark::kRing),
                  layer_of(comparison.maps[comparison.best].polished, compared, kDistinctColours[0], Mark::kDot)},
-                fmt::format("Trajectories, and features: rings with the {}, dots with the {}.", named(other.covariance),
-                            named(compared)));
+                has_features
+                    ? fmt::format("Trajectories, and features: rings with the {}, dots with the {}.", named(other.covariance),
+                                  named(compared))
+                    : fmt::format("Trajectories with the {} and with the {}.", named(other.covariance), named(compared)));
 }
 
 }  // namespace
@@ -132,13 +156,7 @@ template <int Dim>
 std::string compare_page(const RunReport& run_report, const Comparison<Dim>& comparison, const OtherWeights<Dim>& other,
                          const std::vector<NamedTable>& tables, const std::vector<Session>& sessions) {
   const std::string title = "Joining beside full SLAM: " + std::filesystem::path(run_report.input).filename().string();
-  std::string body = element("h1", title) + "\n" + paragraph(introduction(comparison)) + "<dl>\n";
-  for (const auto& [name, text] : {std::pair{"Log", counts_in_words(run_report)},
-                                   {"chi2", conventions_in_words(run_report.conventions, run_report.dimension)},
-                                   {"Method", to_string(run_report.options.solver.method)}}) {
-    body += element("dt", name) + element("dd", text) + "\n";
-  }
-  body += "</dl>\n";
+  std::string body = element("h1", title) + "\n" + paragraph(introduction(comparison)) + description(run_report, comparison);
   for (const auto& [name, note, table] : tables) {
     body += element("h2", name) + "\n" + table_of(table) + element("p", note, " class=\"note\"") + "\n";
   }

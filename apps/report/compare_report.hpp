@@ -16,10 +16,13 @@ template <int Dim>
 struct OtherWeights {
   Covariance covariance = Covariance::kIdentity;
   std::string failure;  ///< Reason why there is no map; empty if there is one.
-  double chi2 = 0.0;
+  RunFigures run;
   MapDifference from_best;  ///< Difference from the best map of the comparison.
   GlobalMap<Dim> map;
 };
+
+/// How a run that did not converge ended: "did not converge: " and a status; empty if it converged.
+std::string unconverged_in_words(const RunFigures& run);
 
 /// The result in words: "best" or "another minimum", with a remark if only the join did not converge; "did not converge: …"; or
 /// the reason why there is no map.
@@ -37,6 +40,9 @@ std::vector<std::vector<std::size_t>> grouped(const std::vector<std::size_t>& or
   }
   return groups;
 }
+
+/// Notes on the data, and on lengths that cut the log into no local map.
+std::vector<std::string> notes_of(const RunReport& run_report, const ComparisonFigures& comparison);
 
 struct NamedTable {
   std::string name;

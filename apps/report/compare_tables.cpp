@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <apps/report/compare_report.hpp>
+#include <apps/report/report.hpp>
 #include <cmath>
 #include <numeric>
 
@@ -121,13 +122,28 @@ bool has_truth(const ComparisonFigures& comparison) {
 
 }  // namespace
 
+std::string unconverged_in_words(const RunFigures& run) {
+  const MinimiseStatus last = (run.polish ? *run.polish : run.join).status;
+  return run.converged() ? "" : "did not converge: " + to_string(last);
+}
+
 std::string result_in_words(const CaseFigures& figures) {
   if (!figures.has_map()) return figures.failure;
-  const RunFigures& run = figures.run;
-  const MinimiseStatus last = (run.polish ? *run.polish : run.join).status;
-  if (!run.converged()) return "did not converge: " + to_string(last);
+  if (!figures.run.converged()) return unconverged_in_words(figures.run);
   const std::string where = figures.reaches_best ? "best" : "another minimum";
-  return run.join.status == MinimiseStatus::kConverged ? where : where + ", though the join did not converge";
+  return figures.run.join.status == MinimiseStatus::kConverged ? where : where + ", though the join did not converge";
+}
+
+std::vector<std::string> notes_of(const RunReport& run_report, const ComparisonFigures& comparison) {
+  std::vector<std::string> notes = notes_of(run_report);
+  int told = 0;  // the length of the last note
+  for (const CaseFigures& figures : comparison.cases) {
+    const int length = figures.way.poses_per_map;
+    if (!figures.has_map() || figures.way.is_full_slam() || figures.run.local_maps > 0 || length == told) continue;
+    notes.push_back(no_map_in_words({SplitRule::kPoses, static_cast<double>(length)}));
+    told = length;
+  }
+  return notes;
 }
 
 std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Json& cases) {
@@ -145,7 +161,7 @@ std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Jso
   add_distances("polished", parts, distances);
   tables.push_back(
       {"How far its map is from the best one",
-       "Joined: before polishing. Poses and features as they stand, in the frame of the first pose. Over so many steps: the "
+       "Joined: before polishing. Positions as they stand, in the frame of the map. Over so many steps: the "
        "motion from every pose to the one so much later, root mean square of the differences of position. Ways of the same "
        "maps share a row.",
        short_table_of(distances, comparison, cases)});

@@ -5,6 +5,8 @@
 #include <apps/report/verdict.hpp>
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/model/error.hpp>
+#include <utility>
+#include <vector>
 
 namespace mapjoin::apps {
 namespace {
@@ -33,6 +35,20 @@ std::string rejected_in_words(const RunReport& run_report) {
   }
   if (text.empty()) return "nothing: there are no closures or observations";
   return fmt::format("{}, with a confidence of {}", text, run_report.robust->confidence);
+}
+
+Findings rejected_findings(const RunReport& run_report) {
+  std::vector<NamedRejected> rejected = run_report.rejected;
+  std::ranges::stable_sort(rejected, {},
+                           [](const NamedRejected& one) { return std::pair(one.misfit.probability, -one.misfit.chi2); });
+  Places places;
+  for (const NamedRejected& one : rejected) places.add(in_words(one));
+  Findings findings;
+  add_if_any(
+      findings,
+      {FindingLevel::kWarning, "rejected",
+       fmt::format("left out by --robust, for they contradict the others: {}", plural(places.count, "measurement")), places});
+  return findings;
 }
 
 Json robust_of(const RunReport& run_report) {

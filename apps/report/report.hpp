@@ -7,6 +7,7 @@
 #include <apps/report/run_report.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mapjoin::apps {
 
@@ -34,8 +35,12 @@ std::string left_out_in_words(const SkipCounts& skipped);
 /// The conventions of chi2 in words.
 std::string conventions_in_words(const Conventions& conventions, int dimension);
 
+/// Notes on the data and on the result: what was repaired or left out while the input was read, and what one may not expect, as
+/// repeated edges.
+std::vector<std::string> notes_of(const RunReport& run_report);
+
 /// Adds lines of a summary: the input with its counts and how much of it was left out; its convention; notes on what was
-/// repaired or left out while it was read; these and other notes on what one may not expect, as repeated edges.
+/// repaired or left out while it was read; all of notes_of().
 void add_input(const RunReport& run_report, Lines& lines, std::string_view name = "input");
 void add_convention(const RunReport& run_report, Lines& lines);
 void add_reading_notes(const RunReport& run_report, Lines& lines);

@@ -97,11 +97,35 @@ std::string fixes_in_words(const GpsReport& gps) {
          fmt::format("; east, north and up from {:.7f}° {:.7f}° at {:.3f} m", origin.latitude, origin.longitude, origin.height);
 }
 
-/// A function that adds a note to the lines if it holds.
-auto notes_in(Lines& lines) {
-  return [&lines](bool holds, std::string_view text) {
-    if (holds) lines.add("note", text);
+using Notes = std::vector<std::string>;
+
+/// A function that adds a note if it holds.
+auto notes_in(Notes& notes) {
+  return [&notes](bool holds, std::string text) {
+    if (holds) notes.push_back(std::move(text));
   };
+}
+
+void add(const Notes& notes, Lines& lines) {
+  for (const std::string& text : notes) lines.add("note", text);
+}
+
+/// What was repaired or left out while the input was read.
+Notes reading_notes(const RunReport& run_report) {
+  Notes notes;
+  const auto note = notes_in(notes);
+  const MatrixRepairs& repairs = run_report.conventions.repairs;
+  note(repairs.symmetrised > 0,
+       fmt::format(
+           "{} replaced by the symmetric part: entries across the diagonal differ by up to {:.2g} of the largest",
+           plural(repairs.symmetrised, "information matrix or covariance was", "information matrices or covariances were"),
+           repairs.largest_asymmetry));
+  note(repairs.indefinite > 0,
+       fmt::format("{} replaced by the nearest semidefinite one",
+                   plural(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
+  note(repairs.missing > 0, fmt::format("{} without weights got the identity", plural(repairs.missing, "edge")));
+  note(!run_report.counts.skipped.empty(), left_out_in_words(run_report.counts.skipped));
+  return notes;
 }
 
 void add_result(const RunReport& run_report, Lines& lines) {
@@ -175,18 +199,7 @@ void add_convention(const RunReport& run_report, Lines& lines) {
 }
 
 void add_reading_notes(const RunReport& run_report, Lines& lines) {
-  const auto note = notes_in(lines);
-  const MatrixRepairs& repairs = run_report.conventions.repairs;
-  note(repairs.symmetrised > 0,
-       fmt::format(
-           "{} replaced by the symmetric part: entries across the diagonal differ by up to {:.2g} of the largest",
-           plural(repairs.symmetrised, "information matrix or covariance was", "information matrices or covariances were"),
-           repairs.largest_asymmetry));
-  note(repairs.indefinite > 0,
-       fmt::format("{} replaced by the nearest semidefinite one",
-                   plural(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
-  note(repairs.missing > 0, fmt::format("{} without weights got the identity", plural(repairs.missing, "edge")));
-  note(!run_report.counts.skipped.empty(), left_out_in_words(run_report.counts.skipped));
+  add(reading_notes(run_report), lines);
 }
 
 /// True if a prior of several inputs is a misfit: their frames may differ.
@@ -215,9 +228,9 @@ std::string_view remedy_of_misfits(const RunReport& run_report) {
   return "";
 }
 
-void add_notes(const RunReport& run_report, Lines& lines) {
-  add_reading_notes(run_report, lines);
-  const auto note = notes_in(lines);
+std::vector<std::string> notes_of(const RunReport& run_report) {
+  Notes notes = reading_notes(run_report);
+  const auto note = notes_in(notes);
   note(run_report.counts.repeated_edges > 0,
        fmt::format("{} between the same two poses; all of them count",
                    plural(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
@@ -261,6 +274,11 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   note(!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory),
        "the poses have no time stamps: the trajectory counts them instead");
+  return notes;
+}
+
+void add_notes(const RunReport& run_report, Lines& lines) {
+  add(notes_of(run_report), lines);
 }
 
 std::string summary(const RunReport& run_report) {

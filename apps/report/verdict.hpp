@@ -55,6 +55,9 @@ std::string misfits_as_csv(const RunReport& run_report);
 /// The numbers of rejected measurements by kind, each of how many, in one line.
 std::string rejected_in_words(const RunReport& run_report);
 
+/// What was rejected as a finding of a check, the least probable first; none if nothing was.
+Findings rejected_findings(const RunReport& run_report);
+
 /// The key `robust` of the report: null without --robust.
 Json robust_of(const RunReport& run_report);
 

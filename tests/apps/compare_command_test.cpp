@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -67,6 +68,7 @@ TEST_F(Compare, ReportsEveryCase) {
     EXPECT_GT(one.at("system_bytes"), 0);
   }
   EXPECT_EQ(report.at("other_weights").at("covariance"), "identity");
+  EXPECT_EQ(report.at("other_weights").at("converged"), true);
 }
 
 TEST_F(Compare, AgreesWithARunOfEachCommand) {
@@ -158,6 +160,23 @@ TEST_F(Compare, AnIntrudingNameIsTextOnThePage) {
   const fs::path there = folder_->path() / "named";
   ASSERT_EQ(call({"compare", log.string(), "--poses-per-map", "50", "-o", there.string(), "--quiet"}).exit_code, 0);
   EXPECT_THAT(content_of(there / "compare.html"), HasSubstr("<h1>Joining beside full SLAM: a&lt;b&amp;c.g2o</h1>"));
+}
+
+TEST_F(Compare, SaysWhichLengthsCutTheLogIntoNoLocalMap) {
+  std::string text;  // an edge over every pose, so that no length has poses of its own
+  for (int pose = 0; pose < 5; ++pose) {
+    text += fmt::format("EDGE_SE2 {} {} 1 0 0 1 0 0 1 0 1\n", pose, pose + 1);
+    if (pose < 4) text += fmt::format("EDGE_SE2 {} {} 2 0 0 1 0 0 1 0 1\n", pose, pose + 2);
+  }
+  const fs::path there = folder_->path() / "uncut";
+  const Ended uncut =
+      call({"compare", folder_->file("uncut.g2o", text).string(), "--poses-per-map", "2", "-o", there.string()});
+  EXPECT_EQ(uncut.exit_code, 0) << uncut.err;
+  const std::string note = "maps of 2: this cuts the log into no local map, so that joining is full SLAM once more; another";
+  EXPECT_EQ(count_of(uncut.out, "note         " + note), 1U) << uncut.out;
+  EXPECT_THAT(content_of(there / "compare.html"), HasSubstr("<dt>Note</dt><dd>" + note));
+  const Ended cut = call({"compare", folder_->file("cut.g2o", kSmallLog).string(), "--poses-per-map", "2"});
+  EXPECT_THAT(cut.out, Not(HasSubstr("no local map")));
 }
 
 TEST_F(Compare, RefusesListsThatAreNone) {

@@ -215,6 +215,8 @@ TEST(Errors, ARemedyThatACommandLacksIsOfferedWithTheCommandThatHasIt) {
   EXPECT_THAT(
       call({"basin", apart}).err,
       EndsWith(remedy + "; --parts goes with `mapjoin run -o DIR`, and DIR, or with all DIR/part_1, …, can be given here\n"));
+  const std::string all = remedy + "; --parts all goes with `mapjoin run -o DIR`, and DIR/part_1, … can be given here\n";
+  for (const char* name : {"compare", "solve"}) EXPECT_THAT(call({name, apart}).err, EndsWith(all)) << name;
   const std::string run = (folder.path() / "run").string();
   ASSERT_EQ(call({"run", apart, "--parts", "largest", "-o", run, "--quiet"}).exit_code, 0);
   EXPECT_EQ(call({"basin", run, "--seeds", "1"}).exit_code, 0);

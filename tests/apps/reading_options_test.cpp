@@ -61,6 +61,19 @@ TEST_F(ReadingOptions, OfSeveralInputsAreRefusedForOne) {
   expect_failure(call({"check", log, "--keep-copies"}), 2, "--keep-copies is of several inputs");
 }
 
+TEST_F(ReadingOptions, ThatLeaveLinesOutAreSaidByEveryStudy) {
+  const std::string partial = folder.file("partial.g2o", kSmallLog + "SCAN 1\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n").string();
+  for (const Words& study :
+       {Words{"compare", partial, "-o", path("study")}, {"basin", partial, "--seeds", "1"}, {"convexity", partial}}) {
+    Words words = study;
+    words.emplace_back("--skip-unknown");
+    const std::string said = call(words).out;
+    EXPECT_THAT(said, ::testing::HasSubstr("note         left out: SCAN (1)\n")) << study.front();
+    EXPECT_THAT(said, ::testing::HasSubstr("note         1 edge repeats another between the same two poses")) << study.front();
+  }
+  EXPECT_THAT(content_of(path("study/compare.html")), ::testing::HasSubstr("<dt>Note</dt><dd>left out: SCAN (1)</dd>"));
+}
+
 TEST_F(ReadingOptions, OfPartsCountTheFeaturesThatTheyLeaveOut) {
   const std::string text =
       "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 0 0 0\nVERTEX_XY 8 1 1\nVERTEX_XY 9 1 1\n"

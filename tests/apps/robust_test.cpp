@@ -93,13 +93,47 @@ TEST_F(Robust, SaysHowManyOfHowManyWereLeftOut) {
 TEST_F(Robust, LeavesOutTheSameWhateverIsDoneWithTheLog) {
   EXPECT_EQ(report_of({"solve", log, "--robust"})["robust"]["rejected"], 2);
   EXPECT_THAT(call({"check", log}).out, HasSubstr("700"));
-  EXPECT_THAT(call({"check", log, "--robust"}).out, Not(HasSubstr("700")));
   const std::string few = (kBundledData / "cases/A_1900.g2o").string();
   EXPECT_THAT(call({"check", few, "--robust"}).out, HasSubstr("\nrejected     1 of 1 closure"));
   EXPECT_THAT(call({"compare", few, "--robust"}).out, HasSubstr("\nrejected     1 of 1 closure"));
   const auto compared = report_of({"compare", few, "--robust", "--poses-per-map", "5"});
   EXPECT_EQ(compared["robust"]["closures"], 1);
   EXPECT_EQ(compared["dof"], report_of({"solve", few, "--robust"})["dof"]);
+}
+
+TEST_F(Robust, IsAWarningOfACheckThatNamesWhatWasLeftOut) {
+  const Ended ended = call({"check", log, "--robust"});
+  EXPECT_EQ(ended.exit_code, 1) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("warning      left out by --robust, for they contradict the others: 2 measurements\n"));
+  EXPECT_THAT(ended.out, HasSubstr("found        1 to look at\n"));
+  const Ended first = call({"check", log, "--robust", "--most", "1", "--report", "-"});
+  const auto finding = nlohmann::json::parse(first.out)["findings"][0];
+  EXPECT_EQ(finding["check"], "rejected");
+  EXPECT_EQ(finding["level"], "warning");
+  EXPECT_EQ(finding["count"], 2);
+  ASSERT_EQ(finding["where"].size(), 1U);
+  EXPECT_THAT(finding["where"][0].get<std::string>(),
+              AllOf(StartsWith("closure from pose 10 to pose 700 (chi2 "), EndsWith(")")));
+  const Ended nothing = call({"check", kBundledLog, "--robust"});
+  EXPECT_EQ(nothing.exit_code, 0);
+  EXPECT_THAT(nothing.out, HasSubstr("found        nothing to warn of\n"));
+}
+
+TEST_F(Robust, IsNamedInTheFolderOfAComparison) {
+  const std::string few = (kBundledData / "cases/A_1900.g2o").string();
+  const Lines words = {"compare", few, "--poses-per-map", "5", "-o", path("comparison")};
+  ASSERT_EQ(call(words).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("comparison/rejected.csv")));
+  Lines robust = words;
+  robust.emplace_back("--robust");
+  EXPECT_THAT(call(robust).out, HasSubstr("\nwritten      " + path("comparison/rejected.csv") + "\n"));
+  ASSERT_EQ(call({"run", few, "--robust", "-o", path("run")}).exit_code, 0);
+  EXPECT_EQ(content("comparison/rejected.csv"), content("run/rejected.csv"));
+  EXPECT_THAT(content("comparison/compare.html"), HasSubstr("<dt>Rejected</dt><dd>1 of 1 closure"));
+  EXPECT_THAT(call(words).err,
+              HasSubstr(path("comparison/rejected.csv") + ": was there before, and this call did not write it"));
+  robust.insert(robust.end(), {"--report", path("comparison/rejected.csv")});
+  expect_refused(robust, "are one file");
 }
 
 TEST_F(Robust, GivesTheSameBytesForAnyNumberOfJobs) {

@@ -71,7 +71,11 @@ TEST_F(SeveralInputs, PartsAreTakenOneByOneWhereAskedFor) {
     EXPECT_THAT(all.out, HasSubstr(b + ", part " + part + ": 2D, 500 poses"));
   }
   EXPECT_EQ(call({"run", a, b, "--parts", "all"}).exit_code, 2);
-  EXPECT_EQ(call({"solve", a, b, "--parts", "all"}).exit_code, 2);
+  for (const std::string command : {"solve", "compare"}) {
+    expect_failure(call({command, a, b, "--parts", "all"}), 2,
+                   "--parts is \"all\", which makes a map of each part: it goes with `mapjoin run -o DIR`");
+    expect_failure(call({command, a, b, "--parts", "some"}), 2, "--parts is \"some\", not refuse or largest");
+  }
 }
 
 TEST_F(SeveralInputs, APartWithoutAMapDoesNotKeepTheOthersFromTheirs) {

@@ -3,6 +3,7 @@
 #include <ceres/rotation.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <tests/support/ceres_reference.hpp>
 
@@ -247,7 +248,7 @@ ReferenceResult<Dim> Problem<Dim>::solve(const ReferenceOptions& options) {
   ceres::Solver::Summary summary;
   ceres::Solve(ceres_options, &problem_, &summary);
   return {.converged = summary.termination_type == ceres::CONVERGENCE,
-          .iterations = summary.num_successful_steps + summary.num_unsuccessful_steps,
+          .iterations = std::max(0, summary.num_successful_steps + summary.num_unsuccessful_steps - 1),  // without the start
           .initial_chi2 = 2.0 * summary.initial_cost,
           .chi2 = 2.0 * summary.final_cost,
           .values = to_values(parameters_),

@@ -76,6 +76,15 @@ TYPED_TEST(CeresReferenceTest, ComesBackToTheTruthByEitherMethod) {
   }
 }
 
+TYPED_TEST(CeresReferenceTest, CountsItsStepsWithoutTheStart) {
+  constexpr int kDim = TestFixture::kDim;
+  Values<kDim> start = this->truth;
+  for (PoseIndex i = 1; i < 4; ++i) {
+    start.poses[i] = retract(start.poses[i], this->random.template vector<kPoseDof<kDim>>(0.2));
+  }
+  for (const int most : {0, 1, 2}) EXPECT_EQ(ceres_optimum(this->log, start, {.max_iterations = most}).iterations, most);
+}
+
 TYPED_TEST(CeresReferenceTest, TwoMeasurementsOfOneStepMeetAtTheirWeightedMean) {
   constexpr int kDim = TestFixture::kDim;
   PoseFactor<kDim> once{0, 1, {}, PoseMatrix<kDim>::Identity()};
