@@ -40,9 +40,7 @@ template <int Dim>
 void take_weights(const Options& options, StoredMaps<Dim>& stored) {
   const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
   if (are_those && !options.read.repair_information && options.inflation == Inflation{}) return;
-  fail(ErrorKind::kUsage,
-       "the weights of a store are chosen when it is built: --covariance, --inflate and --repair-information go with `mapjoin "
-       "build`");
+  refuse_weights_of_store();
 }
 
 /// Refuses to associate against names by which the maps of a store were built.

@@ -52,8 +52,8 @@ void refuse_for_maps(Subcommand& command, const Options& options, const std::str
 
 /// Takes "closure=3,odometry=1.5"; returns a violation otherwise.
 std::optional<std::string> take_inflation(const std::string& words, Inflation& inflation) {
-  constexpr double kLeast = 0.001;
-  constexpr double kMost = 1000.0;
+  constexpr double kLeast = 1e-6;
+  constexpr double kMost = 1e6;
   std::istringstream list(words + ",");
   for (std::string word; std::getline(list, word, ',');) {
     const std::size_t equals = word.find('=');
@@ -71,24 +71,32 @@ std::optional<std::string> take_inflation(const std::string& words, Inflation& i
 
 /// Refuses to inflate what the input does not have, or what gives its standard deviations elsewhere.
 std::vector<std::string> check_inflation(const Options& options) {
-  const Inflation& inflation = options.inflation;
-  if (inflation == Inflation{}) return {};
+  if (options.inflation == Inflation{}) return {};
   std::vector<std::string> violations;
   const bool holds_maps = may_hold_maps(options.input);
+  for (const auto& [name, factor] : kInflatedKinds) {
+    const bool is_of_maps = factor == &Inflation::maps;
+    if (options.inflation.*factor == 1.0 || is_of_maps == holds_maps) continue;
+    violations.push_back(holds_maps ? is_for_a_log(options.input, fmt::format("--inflate {}", name)) +
+                                          ", from which `mapjoin build` makes them"
+                                    : options.input.string() + ": is a log, and --inflate map is for local maps");
+  }
   if (options.covariance == Covariance::kIdentity) {
     violations.emplace_back("--inflate is of the weights as given, which --covariance identity replaces");
   }
-  if (holds_maps && inflation.odometry != 1.0) violations.push_back(is_for_a_log(options.input, "--inflate odometry"));
-  if (!holds_maps && inflation.maps != 1.0) {
-    violations.push_back(fmt::format("{}: is a log, and --inflate map is for local maps", options.input.string()));
-  }
-  if (!options.gps.empty() && inflation.priors != 1.0) {
+  if (!options.gps.empty() && options.inflation.priors != 1.0) {
     violations.push_back(options.gps.string() + ": says how certain its fixes are, and --inflate prior is for those of a log");
   }
   return violations;
 }
 
 }  // namespace
+
+void refuse_weights_of_store() {
+  fail(ErrorKind::kUsage,
+       "the weights of a store are chosen when it is built: --covariance, --inflate and --repair-information go with `mapjoin "
+       "build`");
+}
 
 std::string is_for_a_log(const std::filesystem::path& input, const std::string& option) {
   return fmt::format("{}: holds local maps, and {} is for a log", input.string(), option);
@@ -107,7 +115,7 @@ void add_inflation(Subcommand& command, Options& options) {
   command.group("Reading");
   command.option("--inflate", "KIND=X,...",
                  "Take the standard deviations of all measurements of a kind (closure, odometry, observation, prior, map) as X "
-                 "times what the input says: where they are too small, the verdict says by how much",
+                 "times what the input says: where they are too small, the verdict says by how much; what is written has these",
                  [&options](const std::string& words) { return take_inflation(words, options.inflation); });
   command.check([&options] { return check_inflation(options); });
 }

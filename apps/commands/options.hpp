@@ -81,9 +81,14 @@ std::string in_words(const SplitOptions& split);
 /// A note that a splitting cuts the log into no local map, so that joining is full SLAM.
 std::string no_map_in_words(const SplitOptions& split);
 
-/// Gives a log or a set of local maps the weights asked for.
+/// Refuses other weights than those of a store, by which its maps were built.
+[[noreturn]] void refuse_weights_of_store();
+
+/// Gives a log or a set of local maps the weights asked for; kUsage for what a store has other weights of already than a file.
 template <typename Data>
 void take_weights(const Options& options, Data& data) {
+  const bool is_as_given = data.conventions.covariance == Covariance::kOriginal && data.conventions.inflation == Inflation{};
+  if (options.inflation != Inflation{} && !is_as_given) refuse_weights_of_store();
   if (options.covariance == Covariance::kIdentity) use_identity_covariance(data);
   if (options.inflation != Inflation{}) inflate(options.inflation, data);
 }

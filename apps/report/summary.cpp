@@ -183,7 +183,7 @@ std::string conventions_in_words(const Conventions& conventions, int dimension) 
   text += conventions.covariance == Covariance::kOriginal ? ", original covariance" : ", identity covariance";
   for (const auto& [name, factor] : kInflatedKinds) {
     const double by = conventions.inflation.*factor;
-    if (by != 1.0) text += fmt::format(", standard deviations of {} {:g} times as given", name, by);
+    if (by != 1.0) text += fmt::format(", inflated {} {:g}", name, by);
   }
   return text;
 }
@@ -248,13 +248,13 @@ std::vector<std::string> notes_of(const RunReport& run_report) {
   note(!remedy.empty(), fmt::format("either what is named is wrong, or what contradicts it: {} looks for what contradicts the "
                                     "most, and leaves it out",
                                     remedy));
+  const std::string inflating = remedy_of_scales(run_report);
+  note(!run_report.robust && !inflating.empty(),
+       inflating + " takes standard deviations to be as large as the residuals are, for all measurements of a kind");
   note(run_report.robust && is_too_certain(run_report.figures.fit),
-       "--robust judges by covariances that are too small: what is right may be rejected, too; without it the verdict says how "
-       "much larger residuals are than these say, and --inflate takes them so");
-  const std::string inflation = run_report.robust ? "" : inflation_that_fits(run_report);
-  note(!inflation.empty(), fmt::format("--inflate {} takes standard deviations to be as large as the residuals are, for all "
-                                       "measurements of a kind",
-                                       inflation));
+       fmt::format("--robust judges by covariances that are too small: what is right may be rejected, too; without it the "
+                   "verdict says how much larger residuals are than these say{}",
+                   inflating.empty() ? "" : ", and gives the --inflate to add"));
   note(has_misfit_of_priors(run_report),
        "the priors of all inputs are of one World: if those of each are in a frame of its own, keep them in one input only, or "
        "give them as FIX, which counts in one input only");

@@ -14,13 +14,20 @@ namespace {
 /// The most misfits shown in the summary; the report has more.
 constexpr std::size_t kMostShown = 5;
 
-std::string two_digits(double factor) {
-  return fmt::format("{:.2g}", factor);
+/// The factor by which typical residuals of a kind are larger than their covariances say.
+double factor_of(const KindScale& kind) {
+  return std::sqrt(kind.scale);
+}
+
+/// A factor for people: with two digits, or three where it is 1 but for the third.
+std::string in_words(double factor) {
+  const std::string rough = fmt::format("{:.2g}", factor);
+  return rough == "1" ? fmt::format("{:.3g}", factor) : rough;
 }
 
 /// True if covariances of a kind are too small by more than words say.
 bool is_notably_too_certain(const KindScale& kind) {
-  return kind.is_too_certain && two_digits(std::sqrt(kind.scale)) != "1";
+  return kind.is_too_certain && in_words(factor_of(kind)) != "1";
 }
 
 /// The factors by which typical residuals are too large or, if none is, chi2 as a whole.
@@ -30,7 +37,7 @@ std::string scales_in_words(const RunReport& run_report) {
   for (const KindScale& kind : fit.kinds) {
     if (!is_notably_too_certain(kind)) continue;
     const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
-    words.push_back(fmt::format("{} {} times", is_fix ? kFix : to_string(kind.kind), two_digits(std::sqrt(kind.scale))));
+    words.push_back(fmt::format("{} {} times", is_fix ? kFix : to_string(kind.kind), in_words(factor_of(kind))));
   }
   if (words.empty()) return fmt::format("chi2 as a whole is too large: {:.6g} over {} degrees of freedom", fit.chi2, fit.dof);
   return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
@@ -42,8 +49,8 @@ std::string why_untested(const RunReport& run_report) {
   return run_report.options.verdict ? "nothing is measured twice" : "no verdict was asked for";
 }
 
-/// The factor on the standard deviations of a kind of parts.
-double Inflation::*factor_of(PartKind kind) {
+/// The factor that --inflate takes for a kind.
+double Inflation::*inflated(PartKind kind) {
   switch (kind) {
     case PartKind::kClosure:
       return &Inflation::closures;
@@ -53,9 +60,25 @@ double Inflation::*factor_of(PartKind kind) {
       return &Inflation::observations;
     case PartKind::kPrior:
       return &Inflation::priors;
-    default:
-      return &Inflation::maps;
+    case PartKind::kMapFeature:
+    case PartKind::kLocalMap:
+      break;
   }
+  return &Inflation::maps;
+}
+
+/// What --inflate takes for the kinds whose covariances are too small, on top of what it was given; all are 1 if there is none.
+Inflation inflation_that_fits(const RunReport& run_report) {
+  Inflation inflation;
+  for (const KindScale& kind : run_report.figures.fit.kinds) {
+    const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
+    if (!is_notably_too_certain(kind) || is_fix) continue;
+    double& factor = inflation.*inflated(kind.kind);
+    factor = std::max(factor, factor_of(kind));
+  }
+  if (inflation == Inflation{}) return inflation;
+  for (const auto& [name, factor] : kInflatedKinds) inflation.*factor *= run_report.conventions.inflation.*factor;
+  return inflation;
 }
 
 }  // namespace
@@ -64,23 +87,14 @@ bool is_too_certain(const GoodnessOfFit& fit) {
   return std::ranges::any_of(fit.kinds, is_notably_too_certain);
 }
 
-std::string inflation_that_fits(const RunReport& run_report) {
-  const Conventions& conventions = run_report.conventions;
-  if (conventions.covariance != Covariance::kOriginal) return "";
-  Inflation inflation;
-  for (const KindScale& kind : run_report.figures.fit.kinds) {
-    const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
-    if (!is_notably_too_certain(kind) || is_fix) continue;
-    double& factor = inflation.*factor_of(kind.kind);
-    factor = std::max(factor, std::sqrt(kind.scale));
-  }
-  if (inflation == Inflation{}) return "";
-  std::string words;
+std::string remedy_of_scales(const RunReport& run_report) {
+  const Inflation inflation = inflation_that_fits(run_report);
+  if (inflation == Inflation{} || run_report.conventions.covariance != Covariance::kOriginal) return "";
+  std::vector<std::string> words;
   for (const auto& [name, factor] : kInflatedKinds) {
-    const std::string by = two_digits(conventions.inflation.*factor * inflation.*factor);
-    if (by != "1") words += fmt::format("{}{}={}", words.empty() ? "" : ",", name, by);
+    if (inflation.*factor != 1.0) words.push_back(fmt::format("{}={:.4g}", name, inflation.*factor));
   }
-  return words;
+  return fmt::format("`mapjoin {} --inflate {}`", inflation.maps != 1.0 ? "join MAPS" : "run LOG", fmt::join(words, ","));
 }
 
 std::string name_of(const NamedMisfit& misfit) {
@@ -142,7 +156,9 @@ Findings verdict_findings(const RunReport& run_report) {
   Findings findings;
   add_if_any(findings, {FindingLevel::kWarning, "misfit", out_of_line, misfits});
   if (findings.empty() || is_too_certain(fit)) {
-    findings.push_back({FindingLevel::kWarning, "misfit", scales_in_words(run_report), {}});
+    const std::string remedy = remedy_of_scales(run_report);
+    const std::string inflated = remedy.empty() ? "" : "; " + remedy + " takes standard deviations to be so much larger";
+    findings.push_back({FindingLevel::kWarning, "misfit", scales_in_words(run_report) + inflated, {}});
   }
   return findings;
 }

@@ -24,9 +24,9 @@ inline std::string session_text(const FeatureId&) {
 
 /// True if covariances of a kind of measurements are too small.
 bool is_too_certain(const GoodnessOfFit& fit);
-/// What --inflate takes for the kinds whose covariances are too small, on top of what it was given: "closure=8.3,odometry=8".
-/// Empty if there is none, and for weights that are not those of the input.
-std::string inflation_that_fits(const RunReport& run_report);
+/// The command that takes covariances to be as large as the residuals of their kind are: "`mapjoin run LOG --inflate
+/// closure=8.32`". Empty if none is too small, if only those of fixes are, and for weights that are not those of the input.
+std::string remedy_of_scales(const RunReport& run_report);
 
 /// The name of a misfit: "closure from pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local
 /// map from pose 0", "fix of line 3 at pose 2", …

@@ -2,6 +2,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>

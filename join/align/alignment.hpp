@@ -20,8 +20,8 @@ std::optional<Pose<Dim>> rigid_alignment(const std::vector<Point<Dim>>& from, co
 template <int Dim>
 std::optional<Pose<Dim>> least_turning_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to);
 
-/// The rigid motion that takes more than half of `from` near `to`, of equal number: that of the least median squared distance
-/// among those by random pairs, triples in space; nullopt if none of these determines a motion.
+/// The rigid motion that takes more than half of `from` near `to`, of equal number and at least one: that of the least median
+/// squared distance among those by random pairs, triples in space; nullopt if none of these determines a motion.
 template <int Dim>
 std::optional<Pose<Dim>> least_median_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to);
 

@@ -13,6 +13,7 @@
 #include <mapjoin/model/cost.hpp>
 #include <mapjoin/model/loss.hpp>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace mapjoin {

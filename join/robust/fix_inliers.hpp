@@ -16,14 +16,14 @@ struct RejectedFix {
   double probability = 1.0;  ///< Probability that any fix is so far off if all are right.
 };
 
-/// Finds the outliers among the pose priors of a log, all of which are fixes, separately in each part that nothing else ties
-/// to the rest. The map without them is placed by the rigid motion that brings most of its antenna positions near their fixes
+/// Finds the outliers among the pose priors of a log, all of which are fixes, separately in each part that nothing else ties to
+/// the rest. The map without them is placed by the rigid motion that brings most of its antenna positions near their fixes
 /// (least median of squares over random pairs, triples in space). If all fixes together then pass their tests, each against all
-/// else (fix_tests()), none is an outlier. Otherwise the part is solved with losses truncated at the threshold of the
-/// confidence, by graduated non-convexity, and then again with only the fixes that cost less: those that fail their tests are
-/// dropped, the farthest first, and those that pass theirs are readmitted, once. None are found in a part if too few of its
-/// fixes stand apart to tell. kBadInput if check_invariants() finds a fault, or if too few fixes agree to determine a map;
-/// kInterrupted on stop.
+/// else, none is an outlier. Otherwise the part is solved with losses truncated at the threshold of the confidence, by
+/// graduated non-convexity, and then again with only the fixes that cost less: those that fail their tests are dropped, the
+/// farthest first, and those that pass theirs are readmitted, once. None are found in a part if too few of its fixes stand
+/// apart to tell. kBadInput if check_invariants() finds a fault, or if too few fixes agree to determine a map; kInterrupted on
+/// stop.
 template <int Dim>
 Expected<std::vector<RejectedFix>> find_wrong_fixes(const Log<Dim>& log, const RobustOptions& options,
                                                     const std::stop_token& stop = {});

@@ -12,7 +12,7 @@ GeographicLib::LocalCartesian cartesian_at(const GeographicPoint& origin) {
 
 /// Rounds of the search for a place by its height: the first leaves d²/2R at d from the origin, each other one a share of
 /// about (d/R)²/2 of that, so that micrometres are left at 1000 km.
-constexpr int kHeightRounds = 6;
+constexpr int kHeightRounds = 7;
 
 }  // namespace
 

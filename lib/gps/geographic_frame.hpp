@@ -14,7 +14,7 @@ struct GeographicPoint {
 };
 
 /// The local Cartesian frame at its origin: x east, y north, z up along the normal of the ellipsoid. A map in the plane holds
-/// x and y of what lies at the height of the origin, below the tangent plane by 0.8 m in 3 km and by 785 m in 100 km.
+/// x and y of what lies at the height of the origin, below the tangent plane by 0.7 m in 3 km and by 785 m in 100 km.
 class GeographicFrame {
  public:
   GeographicFrame() = default;

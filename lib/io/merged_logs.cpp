@@ -201,6 +201,10 @@ Expected<Conventions> common_conventions(const std::vector<NamedConventions>& al
                                    all.front().source, to_string(common.covariance), all[k].source,
                                    to_string(next.covariance)));
     }
+    if (next.inflation != common.inflation) {
+      return bad_input(fmt::format("{} and {} have weights of different --inflate: build both with the same",
+                                   all.front().source, all[k].source));
+    }
     if (next.pose_error != common.pose_error) common.pose_error = PoseError::kPaper;
     if (next.rotation_information != common.rotation_information) common.rotation_information = RotationInformation::kVector;
     common.repairs += next.repairs;

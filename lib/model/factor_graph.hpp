@@ -68,8 +68,8 @@ void use_identity_covariance(Data& data) {
   data.conventions.inflation = {};
 }
 
-/// Multiplies the standard deviations of the measurements of a log or a set of maps, each by the factor of its kind, and
-/// records that in its conventions.
+/// Multiplies the standard deviations of the measurements of a log or a set of maps, each by the factor of its kind, and the
+/// factors in its conventions, which are those since it was read.
 template <typename Data>
 void inflate(const Inflation& by, Data& data) {
   const auto weaken = [](auto& information, double factor) { information /= factor * factor; };
@@ -84,7 +84,7 @@ void inflate(const Inflation& by, Data& data) {
     weaken(factor.information, factor.base == kWorld ? by.priors : by.observations);
   }
   for (auto& submap : data.graph.submaps) weaken(submap.information, by.maps);
-  data.conventions.inflation = by;
+  for (const auto& [name, factor] : kInflatedKinds) data.conventions.inflation.*factor *= by.*factor;
 }
 
 }  // namespace mapjoin

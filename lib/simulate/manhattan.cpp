@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/simulate/lattice_walk.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <stdexcept>
@@ -195,7 +196,7 @@ std::vector<std::string> ManhattanOptions::validate() const {
   require(is_length(step), "step must lie between a millimetre and a kilometre");
   require(is_length(block), "block must lie between a millimetre and a kilometre");
   const double steps = block / step;
-  require(steps <= 1e6 && whole_part(steps) >= 1 && is_whole(steps),
+  require(steps >= 0.5 && steps <= 1e6 && whole_part(steps) >= 1 && is_whole(steps),
           "block must be a whole number of steps, at most a million");
   require(!side || (*side > 0.0 && *side <= 1e6 * block), "side must be above 0 and at most a million blocks");
   require(storeys >= 1 && storeys <= 1'000'000, "storeys must be between 1 and a million");

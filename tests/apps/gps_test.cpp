@@ -35,7 +35,7 @@ class GpsCommand : public ::testing::Test {
       const double east = number >= 1 && number <= spoiled ? 50.0 : 0.0;
       ++number;
       const auto& [x, y] = std::pair(fix.measured.translation.x() + east, fix.measured.translation.y());
-      const GeographicPoint place = frame.to_geographic({x, y, 0.0});
+      const GeographicPoint place = frame.to_geographic(Point<3>{x, y, 0.0});
       text += fmt::format("{},{},{},0.2,0.2\n", world.log.poses[fix.target].key, place.latitude, place.longitude);
     }
     folder.file("fixes.csv", text);

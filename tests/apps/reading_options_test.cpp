@@ -68,10 +68,10 @@ TEST_F(ReadingOptions, ThatLeaveLinesOutAreSaidByEveryStudy) {
     Words words = study;
     words.emplace_back("--skip-unknown");
     const std::string said = call(words).out;
-    EXPECT_THAT(said, ::testing::HasSubstr("note         left out: SCAN (1)\n")) << study.front();
+    EXPECT_THAT(said, ::testing::HasSubstr("note         left out: SCAN lines (1)\n")) << study.front();
     EXPECT_THAT(said, ::testing::HasSubstr("note         1 edge repeats another between the same two poses")) << study.front();
   }
-  EXPECT_THAT(content_of(path("study/compare.html")), ::testing::HasSubstr("<dt>Note</dt><dd>left out: SCAN (1)</dd>"));
+  EXPECT_THAT(content_of(path("study/compare.html")), ::testing::HasSubstr("<dt>Note</dt><dd>left out: SCAN lines (1)</dd>"));
 }
 
 TEST_F(ReadingOptions, OfPartsCountTheFeaturesThatTheyLeaveOut) {
@@ -104,8 +104,22 @@ TEST_F(ReadingOptions, InflateStandardDeviationsByKind) {
   ASSERT_EQ(call(with({"build", kBundledLog, "-o", maps, "--quiet"})).exit_code, 0);
   EXPECT_EQ(report_of({"join", maps})["convention"]["inflation"], inflated["convention"]["inflation"]);
   expect_failure(call({"join", maps, "--inflate", "map=2"}), 2, "--inflate and --repair-information go with `mapjoin build`");
+  expect_failure(call({"join", maps, "--inflate", "closure=2"}), 2, "is for a log, from which `mapjoin build` makes them");
   ASSERT_EQ(call(with({"convert", kBundledLog, path("inflated.g2o"), "--quiet"})).exit_code, 0);
   EXPECT_NEAR(report_of({"run", path("inflated.g2o")})["chi2"].get<double>(), inflated["chi2"].get<double>(), 1e-6);
+}
+
+TEST_F(ReadingOptions, InflateLocalMapsOnce) {
+  const std::string maps = path("maps");
+  const std::string store = path("maps.maps");
+  ASSERT_EQ(call({"build", kBundledLog, "-o", path("log.maps"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"convert", path("log.maps"), maps, "--to", "maps-text", "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"build", maps, "-o", store, "--inflate", "map=2", "--quiet"}).exit_code, 0);
+  const double given = report_of({"join", maps})["chi2"].get<double>();
+  EXPECT_NEAR(4.0 * report_of({"join", maps, "--inflate", "map=2"})["chi2"].get<double>(), given, 1e-6 * given);
+  EXPECT_NEAR(4.0 * report_of({"join", store})["chi2"].get<double>(), given, 1e-6 * given);
+  expect_failure(call({"join", store, "--inflate", "map=3"}), 2, "the weights of a store are chosen when it is built");
+  expect_failure(call({"join", maps, "--inflate", "closure=3"}), 2, "--inflate closure is for a log, from which");
 }
 
 TEST_F(ReadingOptions, InflateOnlyWhatTheInputHas) {

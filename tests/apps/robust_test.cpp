@@ -113,7 +113,7 @@ TEST_F(Robust, IsAWarningOfACheckThatNamesWhatWasLeftOut) {
   EXPECT_EQ(finding["count"], 2);
   ASSERT_EQ(finding["where"].size(), 1U);
   EXPECT_THAT(finding["where"][0].get<std::string>(),
-              AllOf(StartsWith("closure from pose 10 to pose 700 (chi2 "), EndsWith(")")));
+              AllOf(StartsWith("observation of feature 1077 from pose 399 (chi2 "), EndsWith(")")));
   const Ended nothing = call({"check", kBundledLog, "--robust"});
   EXPECT_EQ(nothing.exit_code, 0);
   EXPECT_THAT(nothing.out, HasSubstr("found        nothing to warn of\n"));

@@ -56,8 +56,11 @@ void take_permissions_of(const fs::path& replaced, const fs::path& path) {
   std::error_code ignored;
   const fs::file_status there = fs::status(replaced, ignored);
   if (!fs::exists(there)) return;
-  const fs::perms of_owner = fs::is_directory(path, ignored) ? fs::perms::owner_all : fs::perms::owner_write;
-  fs::permissions(path, there.permissions() | of_owner, ignored);
+  if (fs::is_directory(path, ignored)) {
+    fs::permissions(path, there.permissions() | fs::perms::owner_all, ignored);
+  } else {
+    fs::permissions(path, (there.permissions() & fs::perms::all) | fs::perms::owner_write, ignored);
+  }
 }
 
 Expected<OutputFile> OutputFile::create(const fs::path& path) {

@@ -167,6 +167,12 @@ TEST(MergedLogs, OfDifferentWeightsAreRefused) {
   EXPECT_EQ(merged<2>({identity, identity})->conventions.covariance, Covariance::kIdentity);
   EXPECT_EQ(merged<2>({identity, log_of("a", edge(0, 1))}).error().message,
             "i has weights of --covariance identity and a of --covariance original: build both with the same");
+  auto inflated = log_of("i", edge(0, 1));
+  inflate({.odometry = 2.0}, inflated);
+  for (const auto& both : {std::vector{inflated, log_of("a", edge(0, 1))}, std::vector{log_of("a", edge(0, 1)), inflated}}) {
+    EXPECT_THAT(merged<2>(both).error().message,
+                ::testing::HasSubstr("weights of different --inflate: build both with the same"));
+  }
 }
 
 TEST(MergedLogs, AreNoCopiesIfAnyNumberDiffers) {

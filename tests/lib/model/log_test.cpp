@@ -48,7 +48,9 @@ TYPED_TEST(LogTest, IsInflatedByKind) {
   EXPECT_EQ(log.closures()[0].information(0, 0), 0.25);
   EXPECT_EQ(log.observations()[0].information(0, 0), 1.0 / 64.0);
   EXPECT_EQ(log.pose_priors()[0].information(0, 0), 1.0 / 256.0);
-  EXPECT_EQ(log.conventions.inflation.observations, 8.0);
+  inflate({.observations = 2.0}, log);
+  EXPECT_EQ(log.observations()[0].information(0, 0), 1.0 / 256.0);
+  EXPECT_EQ(log.conventions.inflation.observations, 16.0);
   use_identity_covariance(log);
   EXPECT_EQ(log.conventions.inflation, Inflation{});
 }
