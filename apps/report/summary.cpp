@@ -208,26 +208,6 @@ bool has_misfit_of_priors(const RunReport& run_report) {
          std::ranges::any_of(run_report.misfits, [](const NamedMisfit& of) { return of.misfit.kind == PartKind::kPrior; });
 }
 
-/// The command that looks for wrong measurements of the kind that is the most out of line; empty where it was given, would not
-/// look at that kind, or would go by covariances that are too small.
-std::string_view remedy_of_misfits(const RunReport& run_report) {
-  if (run_report.misfits.empty() || run_report.robust || is_too_certain(run_report.figures.fit)) return "";
-  switch (run_report.misfits.front().misfit.kind) {
-    case PartKind::kClosure:
-    case PartKind::kObservation:
-      return "`mapjoin run LOG --robust`";
-    case PartKind::kOdometry:
-      return "`mapjoin run LOG --robust=all`";
-    case PartKind::kMapFeature:
-      return "`mapjoin join MAPS --robust`";
-    case PartKind::kPrior:
-      return run_report.gps ? "`mapjoin run LOG --gps FILE --robust`" : "";
-    case PartKind::kLocalMap:
-      break;
-  }
-  return "";
-}
-
 std::vector<std::string> notes_of(const RunReport& run_report) {
   Notes notes = reading_notes(run_report);
   const auto note = notes_in(notes);
@@ -244,17 +224,7 @@ std::vector<std::string> notes_of(const RunReport& run_report) {
                    "`mapjoin build`",
                    plural(run_report.counts.shared_features, "feature has its id in several inputs and is",
                           "features have their ids in several inputs and are")));
-  const std::string_view remedy = remedy_of_misfits(run_report);
-  note(!remedy.empty(), fmt::format("either what is named is wrong, or what contradicts it: {} looks for what contradicts the "
-                                    "most, and leaves it out",
-                                    remedy));
-  const std::string inflating = remedy_of_scales(run_report);
-  note(!run_report.robust && !inflating.empty(),
-       inflating + " takes standard deviations to be as large as the residuals are, for all measurements of a kind");
-  note(run_report.robust && is_too_certain(run_report.figures.fit),
-       fmt::format("--robust judges by covariances that are too small: what is right may be rejected, too; without it the "
-                   "verdict says how much larger residuals are than these say{}",
-                   inflating.empty() ? "" : ", and gives the --inflate to add"));
+  note(!remedy_in_words(run_report).empty(), remedy_in_words(run_report));
   note(has_misfit_of_priors(run_report),
        "the priors of all inputs are of one World: if those of each are in a frame of its own, keep them in one input only, or "
        "give them as FIX, which counts in one input only");

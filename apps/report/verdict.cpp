@@ -30,6 +30,11 @@ bool is_notably_too_certain(const KindScale& kind) {
   return kind.is_too_certain && in_words(factor_of(kind)) != "1";
 }
 
+/// True if covariances of a kind of measurements are too small.
+bool is_too_certain(const GoodnessOfFit& fit) {
+  return std::ranges::any_of(fit.kinds, is_notably_too_certain);
+}
+
 /// The factors by which typical residuals are too large or, if none is, chi2 as a whole.
 std::string scales_in_words(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
@@ -81,12 +86,8 @@ Inflation inflation_that_fits(const RunReport& run_report) {
   return inflation;
 }
 
-}  // namespace
-
-bool is_too_certain(const GoodnessOfFit& fit) {
-  return std::ranges::any_of(fit.kinds, is_notably_too_certain);
-}
-
+/// The command that takes covariances to be as large as the residuals of their kind are: "`mapjoin run LOG --inflate
+/// closure=8.32`". Empty if none is too small, if only those of fixes are, and for weights that are not those of the input.
 std::string remedy_of_scales(const RunReport& run_report) {
   const Inflation inflation = inflation_that_fits(run_report);
   if (inflation == Inflation{} || run_report.conventions.covariance != Covariance::kOriginal) return "";
@@ -95,6 +96,54 @@ std::string remedy_of_scales(const RunReport& run_report) {
     if (inflation.*factor != 1.0) words.push_back(fmt::format("{}={:.4g}", name, inflation.*factor));
   }
   return fmt::format("`mapjoin {} --inflate {}`", inflation.maps != 1.0 ? "join MAPS" : "run LOG", fmt::join(words, ","));
+}
+
+/// The command that looks for wrong measurements of the kind that is the most out of line; empty where none would look at it.
+std::string_view remedy_of_misfits(const RunReport& run_report) {
+  if (run_report.misfits.empty()) return "";
+  switch (run_report.misfits.front().misfit.kind) {
+    case PartKind::kClosure:
+    case PartKind::kObservation:
+      return "`mapjoin run LOG --robust`";
+    case PartKind::kOdometry:
+      return "`mapjoin run LOG --robust=all`";
+    case PartKind::kMapFeature:
+      return "`mapjoin join MAPS --robust`";
+    case PartKind::kPrior:
+      return run_report.gps ? "`mapjoin run LOG --gps FILE --robust`" : "";
+    case PartKind::kLocalMap:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string remedy_in_words(const RunReport& run_report) {
+  const GoodnessOfFit& fit = run_report.figures.fit;
+  const bool is_robust = run_report.robust.has_value();
+  const std::string inflating = remedy_of_scales(run_report);
+  if (is_robust && is_too_certain(fit)) {
+    return fmt::format(
+        "--robust judges by covariances that are too small: what is right may be rejected, too; without it the "
+        "verdict says how much larger residuals are than these say{}",
+        inflating.empty() ? "" : ", and gives the --inflate to add");
+  }
+  const std::string_view rejecting = is_robust ? "" : remedy_of_misfits(run_report);
+  if (!inflating.empty() && !rejecting.empty() && !fit.is_complete) {
+    return fmt::format(
+        "either what is named is wrong, and makes others look so: then {} leaves out little; or it leaves out "
+        "much, as the covariances of a kind are too small, which {} makes as large as the residuals are",
+        rejecting, inflating);
+  }
+  if (!inflating.empty()) {
+    return inflating + " takes standard deviations to be as large as the residuals are, for all measurements of a kind";
+  }
+  if (rejecting.empty() || is_too_certain(fit)) return "";
+  return fmt::format(
+      "either what is named is wrong, or what contradicts it: {} looks for what contradicts the most, and leaves "
+      "it out",
+      rejecting);
 }
 
 std::string name_of(const NamedMisfit& misfit) {
@@ -156,7 +205,7 @@ Findings verdict_findings(const RunReport& run_report) {
   Findings findings;
   add_if_any(findings, {FindingLevel::kWarning, "misfit", out_of_line, misfits});
   if (findings.empty() || is_too_certain(fit)) {
-    const std::string remedy = remedy_of_scales(run_report);
+    const std::string remedy = misfits.count == 0 || fit.is_complete ? remedy_of_scales(run_report) : "";
     const std::string inflated = remedy.empty() ? "" : "; " + remedy + " takes standard deviations to be so much larger";
     findings.push_back({FindingLevel::kWarning, "misfit", scales_in_words(run_report) + inflated, {}});
   }

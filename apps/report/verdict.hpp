@@ -22,11 +22,9 @@ inline std::string session_text(const FeatureId&) {
   return "";
 }
 
-/// True if covariances of a kind of measurements are too small.
-bool is_too_certain(const GoodnessOfFit& fit);
-/// The command that takes covariances to be as large as the residuals of their kind are: "`mapjoin run LOG --inflate
-/// closure=8.32`". Empty if none is too small, if only those of fixes are, and for weights that are not those of the input.
-std::string remedy_of_scales(const RunReport& run_report);
+/// What to do about a misfit, for a note: the commands that leave out what is wrong, or take covariances that are too small to
+/// be as large as the residuals; empty if nothing helps.
+std::string remedy_in_words(const RunReport& run_report);
 
 /// The name of a misfit: "closure from pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local
 /// map from pose 0", "fix of line 3 at pose 2", …
