@@ -123,7 +123,8 @@ std::string remedy_in_words(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   const bool is_robust = run_report.robust.has_value();
   const std::string inflating = remedy_of_scales(run_report);
-  if (is_robust && is_too_certain(fit)) {
+  const bool goes_by_scale = inflation_that_fits(run_report).maps != 1.0;  // --robust does, of local maps
+  if (is_robust && is_too_certain(fit) && !goes_by_scale) {
     return fmt::format(
         "--robust judges by covariances that are too small: what is right may be rejected, too; without it the "
         "verdict says how much larger residuals are than these say{}",

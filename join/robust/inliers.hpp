@@ -61,7 +61,8 @@ Expected<Inliers<Log<Dim>>> find_inliers(const Log<Dim>& log, const RobustOption
 /// Finds the features of local maps that have a wrong name, as the observations of a log: it has, of each map, each feature by
 /// its marginal and each pose relative to the one before. The maps are kept without the rejected features; what they say of the
 /// others stays as it was. Observations that stand on their own in the set are judged, too; everything that relates poses is
-/// believed.
+/// believed. Where residuals of what is kept are larger than its covariances say, all is judged again with covariances as
+/// much larger.
 template <int Dim>
 Expected<Inliers<SubmapSet<Dim>>> find_inliers(const SubmapSet<Dim>& set, const RobustOptions& options,
                                                const std::stop_token& stop = {});

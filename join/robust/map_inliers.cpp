@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <mapjoin/join/robust/inliers.hpp>
+#include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/taken_apart.hpp>
 #include <mapjoin/model/information.hpp>
 #include <numeric>
@@ -11,6 +13,9 @@
 
 namespace mapjoin {
 namespace {
+
+/// Most searches by covariances that are larger, as the one before shows: the less it rejected, the better it shows it.
+constexpr int kMostAgain = 3;
 
 /// The marginal information of some targets (ascending) of a map.
 template <int Dim>
@@ -68,6 +73,24 @@ Inliers<SubmapSet<Dim>> without(const std::vector<Rejected>& rejected, const Tak
   return inliers;
 }
 
+/// The factors by which residuals of what is kept of a log are larger than its covariances say, kind by kind; 1 where they are
+/// not, or nothing can be tested.
+template <int Dim>
+Inflation inflation_of(const Log<Dim>& kept, Engine engine, const std::stop_token& stop) {
+  RunOptions options;
+  options.solver.engine = engine;
+  const auto result = run(kept, options, stop);
+  Inflation inflation;
+  if (!result) return inflation;
+  for (const KindScale& kind : result->fit.kinds) {
+    if (!kind.is_too_certain) continue;
+    if (kind.kind == PartKind::kObservation) inflation.observations = std::sqrt(kind.scale);
+    if (kind.kind == PartKind::kOdometry) inflation.odometry = std::sqrt(kind.scale);
+    if (kind.kind == PartKind::kClosure) inflation.closures = std::sqrt(kind.scale);
+  }
+  return inflation;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -77,9 +100,16 @@ Expected<Inliers<SubmapSet<Dim>>> find_inliers(const SubmapSet<Dim>& set, const 
   RobustOptions of_log = options;
   of_log.odometry = false;  // all that relates poses is believed
   const TakenApart<Dim> apart = taken_apart(set);
-  return find_inliers(apart.log, of_log, stop).map([&](const Inliers<Log<Dim>>& found) {
-    return without(found.rejected, apart, set);
-  });
+  Log<Dim> judged = apart.log;
+  auto found = find_inliers(judged, of_log, stop);
+  for (int again = 0; found && again < kMostAgain; ++again) {
+    const Inflation inflation = inflation_of(found->input, options.engine, stop);
+    if (inflation == Inflation{}) break;
+    inflate(inflation, judged);
+    found = find_inliers(judged, of_log, stop);
+  }
+  if (!found) return tl::unexpected(found.error());
+  return without(found->rejected, apart, set);
 }
 
 template Expected<Inliers<SubmapSet<2>>> find_inliers(const SubmapSet<2>&, const RobustOptions&, const std::stop_token&);

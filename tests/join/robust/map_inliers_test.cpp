@@ -51,6 +51,22 @@ TYPED_TEST(MapInliersTest, LeavesTheFeatureOutThatIsUnderAnotherName) {
   EXPECT_EQ(left.features.size() + 1, map.features.size());
 }
 
+TYPED_TEST(MapInliersTest, OfMapsThatAreTooCertainLeavesLittleOutButWhatIsWrong) {
+  auto set = this->maps();
+  for (auto& map : set.graph.submaps) map.information *= 16.0;
+  auto& map = set.graph.submaps[3];
+  FeatureIndex other = 0;
+  while (has(map, other)) ++other;
+  map.features[1] = other;
+  const auto inliers = find_inliers(set, RobustOptions{}).value();
+  const auto is_wrong_one = [&](const Rejected& one) {
+    return one.misfit.from == map.base && std::get<FeatureIndex>(one.misfit.to) == other;
+  };
+  EXPECT_EQ(std::ranges::count_if(inliers.rejected, is_wrong_one), 1);
+  EXPECT_LE(inliers.rejected.size(), 2U);
+  EXPECT_EQ(inliers.input.graph.submaps[5].information, set.graph.submaps[5].information) << "weights are as given";
+}
+
 TYPED_TEST(MapInliersTest, LeavesWhatTheMapSaysOfOtherFeaturesAsItWas) {
   constexpr int kDim = TypeParam::value;
   auto set = this->maps();
