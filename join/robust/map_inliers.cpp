@@ -14,7 +14,7 @@
 namespace mapjoin {
 namespace {
 
-/// Most searches by covariances that are larger, as the one before shows: the less it rejected, the better it shows it.
+/// The maximum number of searches by larger covariances, each by what the one before kept: the less that left out, the better.
 constexpr int kMostAgain = 3;
 
 /// The marginal information of some targets (ascending) of a map.
