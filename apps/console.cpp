@@ -41,6 +41,10 @@ void say(const std::string& sentence) {
   std::fputs(fmt::format("mapjoin: {}\n", sentence).c_str(), stderr);
 }
 
+void say_not_written(const std::filesystem::path& file) {
+  say(file.string() + ": was there before, and this call did not write it; unless it is of a map that you keep, remove it");
+}
+
 std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   std::istringstream words(text);
   std::vector<std::string> lines;

@@ -25,6 +25,9 @@ bool is_stream(const std::filesystem::path& path);
 /// One sentence on standard error, after the command's name.
 void say(const std::string& sentence);
 
+/// Says that a file was there before, and that this call did not write it: it may be of a map that the user keeps.
+void say_not_written(const std::filesystem::path& file);
+
 /// The text in lines broken between words, of at most `width` characters unless a word is longer.
 std::vector<std::string> wrapped(const std::string& text, std::size_t width);
 

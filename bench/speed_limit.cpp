@@ -102,7 +102,7 @@ Expected<void> measure(const Log<Dim>& log, const Values<Dim>& state, Limit& lim
 template <int Dim>
 Expected<void> measure(const SubmapGraph<Dim>& graph, const Values<Dim>& state, Limit& limit) {
   PartialMap<Dim> partial = joined_map_of(graph);
-  set_to_values(state, partial);
+  partial.state = restricted(state, partial);
   place_fixed_poses(graph, partial);
   const Gauge<Dim> gauge = gauge_of(graph, partial);
   JoiningSystem<Dim> problem = timed(limit.order, [&] { return JoiningSystem<Dim>(partial, gauge, Engine::kCholmod); });

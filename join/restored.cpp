@@ -58,7 +58,7 @@ Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentV
                        const Values<Dim>& state, Engine engine) {
   SubmapGraph<Dim> all = restored_submap_graph(graph, segments);
   PartialMap<Dim> joined_map = joined_map_of(all);
-  set_to_values(state, joined_map);
+  joined_map.state = restricted(state, joined_map);
   if (graph.maps.empty()) return {std::move(all), std::move(joined_map), std::move(*join.system)};
   const std::vector<PoseOrFeature> order = restored_order(graph, segments, join, joined_map);
   JoiningSystem<Dim> system(joined_map, gauge_of(all, joined_map), engine, order);

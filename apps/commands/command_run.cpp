@@ -167,8 +167,7 @@ void CommandRun::say_what_is_left() {
   progress_.close();
   if (is_stream(options_.output)) return say_what_is_left_out();
   for (const std::filesystem::path& file : extra_files_left(options_.output, run_report.files)) {
-    if (is_of_store(file, inputs())) continue;
-    say(file.string() + ": was there before, and this call did not write it; unless it is of a map that you keep, remove it");
+    if (!is_of_store(file, inputs())) say_not_written(file);
   }
 }
 

@@ -188,12 +188,11 @@ void demand_shared_features(const CommandRun& command_run, const Log<Dim>& log) 
   if (result) command_run.check_shared_features(log, *result);  // otherwise compare() says why
 }
 
-/// Says where an earlier call left rejected measurements in the folder. They may be of a run that the user keeps.
+/// Says where an earlier call left rejected measurements in the folder.
 void say_what_is_left(const OutputFolder& folder) {
   const std::filesystem::path file = folder.file(name_in_folder(Extra::kRejected));
   std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) return;
-  say(file.string() + ": was there before, and this call did not write it; unless it is of a map that you keep, remove it");
+  if (std::filesystem::exists(file, ignored)) say_not_written(file);
 }
 
 /// Compares on a log, which has the weights of its file.

@@ -224,7 +224,8 @@ std::vector<std::string> notes_of(const RunReport& run_report) {
                    "`mapjoin build`",
                    plural(run_report.counts.shared_features, "feature has its id in several inputs and is",
                           "features have their ids in several inputs and are")));
-  note(!remedy_in_words(run_report).empty(), remedy_in_words(run_report));
+  const std::string remedy = remedy_in_words(run_report);
+  note(!remedy.empty(), remedy);
   note(has_misfit_of_priors(run_report),
        "the priors of all inputs are of one World: if those of each are in a frame of its own, keep them in one input only, or "
        "give them as FIX, which counts in one input only");

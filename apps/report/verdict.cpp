@@ -35,14 +35,19 @@ bool is_too_certain(const GoodnessOfFit& fit) {
   return std::ranges::any_of(fit.kinds, is_notably_too_certain);
 }
 
+/// True for a kind that is of the fixes of --gps, which are priors.
+bool is_of_fixes(const KindScale& kind, const RunReport& run_report) {
+  return run_report.gps && kind.kind == PartKind::kPrior;
+}
+
 /// The factors by which typical residuals are too large or, if none is, chi2 as a whole.
 std::string scales_in_words(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   std::vector<std::string> words;
   for (const KindScale& kind : fit.kinds) {
     if (!is_notably_too_certain(kind)) continue;
-    const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
-    words.push_back(fmt::format("{} {} times", is_fix ? kFix : to_string(kind.kind), in_words(factor_of(kind))));
+    const auto name = is_of_fixes(kind, run_report) ? std::string(kFix) : to_string(kind.kind);
+    words.push_back(fmt::format("{} {} times", name, in_words(factor_of(kind))));
   }
   if (words.empty()) return fmt::format("chi2 as a whole is too large: {:.6g} over {} degrees of freedom", fit.chi2, fit.dof);
   return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
@@ -54,31 +59,12 @@ std::string why_untested(const RunReport& run_report) {
   return run_report.options.verdict ? "nothing is measured twice" : "no verdict was asked for";
 }
 
-/// The factor that --inflate takes for a kind.
-double Inflation::*inflated(PartKind kind) {
-  switch (kind) {
-    case PartKind::kClosure:
-      return &Inflation::closures;
-    case PartKind::kOdometry:
-      return &Inflation::odometry;
-    case PartKind::kObservation:
-      return &Inflation::observations;
-    case PartKind::kPrior:
-      return &Inflation::priors;
-    case PartKind::kMapFeature:
-    case PartKind::kLocalMap:
-      break;
-  }
-  return &Inflation::maps;
-}
-
 /// What --inflate takes for the kinds whose covariances are too small, on top of what it was given; all are 1 if there is none.
 Inflation inflation_that_fits(const RunReport& run_report) {
   Inflation inflation;
   for (const KindScale& kind : run_report.figures.fit.kinds) {
-    const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
-    if (!is_notably_too_certain(kind) || is_fix) continue;
-    double& factor = inflation.*inflated(kind.kind);
+    if (!is_notably_too_certain(kind) || is_of_fixes(kind, run_report)) continue;
+    double& factor = inflation.*inflation_of_kind(kind.kind);
     factor = std::max(factor, factor_of(kind));
   }
   if (inflation == Inflation{}) return inflation;
@@ -87,9 +73,8 @@ Inflation inflation_that_fits(const RunReport& run_report) {
 }
 
 /// The command that takes covariances to be as large as the residuals of their kind are: "`mapjoin run LOG --inflate
-/// closure=8.32`". Empty if none is too small, if only those of fixes are, and for weights that are not those of the input.
-std::string remedy_of_scales(const RunReport& run_report) {
-  const Inflation inflation = inflation_that_fits(run_report);
+/// closure=8.32`", by their inflation_that_fits(). Empty if that is none, and for weights that are not those of the input.
+std::string remedy_of_scales(const RunReport& run_report, const Inflation& inflation) {
   if (inflation == Inflation{} || run_report.conventions.covariance != Covariance::kOriginal) return "";
   std::vector<std::string> words;
   for (const auto& [name, factor] : kInflatedKinds) {
@@ -122,8 +107,9 @@ std::string_view remedy_of_misfits(const RunReport& run_report) {
 std::string remedy_in_words(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   const bool is_robust = run_report.robust.has_value();
-  const std::string inflating = remedy_of_scales(run_report);
-  const bool goes_by_scale = inflation_that_fits(run_report).maps != 1.0;  // --robust does, of local maps
+  const Inflation inflation = inflation_that_fits(run_report);
+  const std::string inflating = remedy_of_scales(run_report, inflation);
+  const bool goes_by_scale = inflation.maps != 1.0;  // --robust does, of local maps
   if (is_robust && is_too_certain(fit) && !goes_by_scale) {
     return fmt::format(
         "--robust judges by covariances that are too small: what is right may be rejected, too; without it the "
@@ -206,7 +192,8 @@ Findings verdict_findings(const RunReport& run_report) {
   Findings findings;
   add_if_any(findings, {FindingLevel::kWarning, "misfit", out_of_line, misfits});
   if (findings.empty() || is_too_certain(fit)) {
-    const std::string remedy = misfits.count == 0 || fit.is_complete ? remedy_of_scales(run_report) : "";
+    const bool is_sure = misfits.count == 0 || fit.is_complete;
+    const std::string remedy = is_sure ? remedy_of_scales(run_report, inflation_that_fits(run_report)) : "";
     const std::string inflated = remedy.empty() ? "" : "; " + remedy + " takes standard deviations to be so much larger";
     findings.push_back({FindingLevel::kWarning, "misfit", scales_in_words(run_report) + inflated, {}});
   }

@@ -78,6 +78,14 @@ Values<Dim> composed_state(const SubmapGraph<Dim>& graph, const PartialMap<Dim>&
 }
 
 template <int Dim>
+Values<Dim> restricted(const Values<Dim>& state, const PartialMap<Dim>& partial) {
+  Values<Dim> part;
+  for (const PoseIndex p : partial.poses) part.poses.push_back(state.pose(p));
+  for (const FeatureIndex f : partial.features) part.features.push_back(state.features[f]);
+  return part;
+}
+
+template <int Dim>
 void set_to_zero(PartialMap<Dim>& partial) {
   std::fill(partial.state.poses.begin() + 1, partial.state.poses.end(), Pose<Dim>{});
   std::fill(partial.state.features.begin(), partial.state.features.end(), Point<Dim>::Zero());
@@ -95,16 +103,10 @@ void set_to_random(std::uint64_t seed, PartialMap<Dim>& partial) {
 }
 
 template <int Dim>
-void set_to_values(const Values<Dim>& state, PartialMap<Dim>& partial) {
-  for (const PoseIndex p : indices(partial.poses)) partial.state.poses[p] = state.pose(partial.poses[p]);
-  for (const FeatureIndex f : indices(partial.features)) partial.state.features[f] = state.features[partial.features[f]];
-}
-
-template <int Dim>
 void set_start(Start start, std::uint64_t seed, const Values<Dim>* values, PartialMap<Dim>& partial) {
   if (start == Start::kZero) set_to_zero(partial);
   if (start == Start::kRandom) set_to_random(seed, partial);
-  if (start == Start::kFile) set_to_values(*values, partial);
+  if (start == Start::kFile) partial.state = restricted(*values, partial);
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                         \
@@ -113,7 +115,7 @@ void set_start(Start start, std::uint64_t seed, const Values<Dim>* values, Parti
                                       JoinedPartialMaps<Dim>);                                           \
   template void set_to_zero(PartialMap<Dim>&);                                                           \
   template void set_to_random(std::uint64_t, PartialMap<Dim>&);                                          \
-  template void set_to_values(const Values<Dim>&, PartialMap<Dim>&);                                     \
+  template Values<Dim> restricted(const Values<Dim>&, const PartialMap<Dim>&);                           \
   template void set_start(Start, std::uint64_t, const Values<Dim>*, PartialMap<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

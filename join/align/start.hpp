@@ -31,6 +31,10 @@ template <int Dim>
 Values<Dim> composed_state(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& joined_map, const Pose<Dim>& origin,
                            JoinedPartialMaps<Dim> joined);
 
+/// The values of the partial map's poses and features, by place, in `state`, which is over the whole submap graph.
+template <int Dim>
+Values<Dim> restricted(const Values<Dim>& state, const PartialMap<Dim>& partial);
+
 /// Sets every feature of the partial map to zero, and every pose but the first, which holds the map.
 template <int Dim>
 void set_to_zero(PartialMap<Dim>& partial);
@@ -39,10 +43,6 @@ void set_to_zero(PartialMap<Dim>& partial);
 /// which holds the map, stays. The same seed gives the same values on every machine.
 template <int Dim>
 void set_to_random(std::uint64_t seed, PartialMap<Dim>& partial);
-
-/// Sets the values of the partial map to those of `state`, which is over the whole submap graph.
-template <int Dim>
-void set_to_values(const Values<Dim>& state, PartialMap<Dim>& partial);
 
 /// Replaces the composed start by `start`; `values`, over the whole submap graph, are for Start::kFile.
 template <int Dim>

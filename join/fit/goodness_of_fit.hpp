@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/restored.hpp>
+#include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <span>
@@ -42,6 +43,24 @@ constexpr auto enum_names(PartKind) {
                                             {PartKind::kMapFeature, "feature of a map"},
                                             {PartKind::kLocalMap, "local map"},
                                             {PartKind::kOdometry, "odometry"}});
+}
+
+/// The factor of an Inflation that is of a kind of parts.
+constexpr double Inflation::*inflation_of_kind(PartKind kind) {
+  switch (kind) {
+    case PartKind::kClosure:
+      return &Inflation::closures;
+    case PartKind::kOdometry:
+      return &Inflation::odometry;
+    case PartKind::kObservation:
+      return &Inflation::observations;
+    case PartKind::kPrior:
+      return &Inflation::priors;
+    case PartKind::kMapFeature:
+    case PartKind::kLocalMap:
+      break;
+  }
+  return &Inflation::maps;
 }
 
 /// A part that does not agree with the others.

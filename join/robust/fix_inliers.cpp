@@ -39,7 +39,7 @@ template <int Dim>
 std::optional<std::vector<PartTest>> fix_tests(Log<Dim> log, Engine engine, const std::stop_token& stop) {
   const SubmapGraph<Dim> graph = submap_graph_of(log, split(log, {SplitRule::kPoses, 1.0}), {});
   PartialMap<Dim> joined_map = joined_map_of(graph);
-  set_to_values(log.initial, joined_map);
+  joined_map.state = restricted(log.initial, joined_map);
   JoiningSystem<Dim> system(joined_map, gauge_of(graph, joined_map), engine);
   system.linearise();
   if (system.factorise(0.0)) return std::nullopt;

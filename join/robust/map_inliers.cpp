@@ -74,7 +74,7 @@ Inliers<SubmapSet<Dim>> without(const std::vector<Rejected>& rejected, const Tak
 }
 
 /// The factors by which residuals of what is kept of a log are larger than its covariances say, kind by kind; 1 where they are
-/// not, or nothing can be tested.
+/// not, or nothing can be tested, and of priors, which no local map gives.
 template <int Dim>
 Inflation inflation_of(const Log<Dim>& kept, Engine engine, const std::stop_token& stop) {
   RunOptions options;
@@ -83,10 +83,7 @@ Inflation inflation_of(const Log<Dim>& kept, Engine engine, const std::stop_toke
   Inflation inflation;
   if (!result) return inflation;
   for (const KindScale& kind : result->fit.kinds) {
-    if (!kind.is_too_certain) continue;
-    if (kind.kind == PartKind::kObservation) inflation.observations = std::sqrt(kind.scale);
-    if (kind.kind == PartKind::kOdometry) inflation.odometry = std::sqrt(kind.scale);
-    if (kind.kind == PartKind::kClosure) inflation.closures = std::sqrt(kind.scale);
+    if (kind.is_too_certain && kind.kind != PartKind::kPrior) inflation.*inflation_of_kind(kind.kind) = std::sqrt(kind.scale);
   }
   return inflation;
 }

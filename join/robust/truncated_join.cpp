@@ -35,7 +35,7 @@ TruncatedJoin<Dim>::TruncatedJoin(Log<Dim> log, const Values<Dim>& start, const 
   take_weak_priors(start);
   graph_ = submap_graph_of(log_, split(log_, {SplitRule::kPoses, 1.0}), {});
   PartialMap<Dim> joined_map = joined_map_of(graph_);
-  set_to_values(start, joined_map);
+  joined_map.state = restricted(start, joined_map);
   system_.emplace(joined_map, gauge_of(graph_, joined_map), engine);
   find_factors();
 }

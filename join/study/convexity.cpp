@@ -30,14 +30,6 @@ struct Best {
   double chi2;
 };
 
-template <int Dim>
-Values<Dim> restricted(const Values<Dim>& all, const PartialMap<Dim>& partial) {
-  Values<Dim> part;
-  for (const PoseIndex pose : partial.poses) part.poses.push_back(all.pose(pose));
-  for (const FeatureIndex feature : partial.features) part.features.push_back(all.features[feature]);
-  return part;
-}
-
 /// The composed start of the joined state of a submap graph, with the first pose at `origin` if neither priors nor fixed poses
 /// place it.
 template <int Dim>

@@ -95,15 +95,6 @@ SubmapGraph<Dim> graph_of(const Log<Dim>& log) {
   return submap_graph_of(log, parts, std::move(maps));
 }
 
-/// The part of a state that a partial map has.
-template <int Dim>
-Values<Dim> restricted(const Values<Dim>& state, const PartialMap<Dim>& partial) {
-  Values<Dim> part;
-  for (const PoseIndex p : partial.poses) part.poses.push_back(state.pose(p));
-  for (const FeatureIndex f : partial.features) part.features.push_back(state.features[f]);
-  return part;
-}
-
 template <typename D>
 class JoinedMapTest : public ::testing::Test {};
 TYPED_TEST_SUITE(JoinedMapTest, testing::Dimensions);
