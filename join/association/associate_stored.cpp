@@ -24,7 +24,8 @@ Expected<Associated<StoredMaps<Dim>>> associate(const StoredMaps<Dim>& stored, c
   if (!options.names_hold) throw std::invalid_argument("local maps that are built by names can be associated where these hold");
   return associate(stored.log, options, stop).map([&](Associated<Log<Dim>>&& found) {
     const auto names = new_names(stored.log, found.data);
-    Associated<StoredMaps<Dim>> result{{std::move(found.data), stored.segments, stored.maps, stored.options},
+    Associated<StoredMaps<Dim>> result{{std::move(found.data), stored.segments, stored.maps, stored.options, stored.portion,
+                                        stored.share, stored.features_are_shared},
                                        std::move(found.sightings),
                                        found.joins,
                                        found.is_settled,

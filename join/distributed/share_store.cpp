@@ -126,9 +126,9 @@ Expected<void> take_maps(StorePieces& store, const Portioned<Dim>& of, const Log
   return store.maps(of.log, of.split.segments).and_then([&](auto maps) { return take_maps(share, std::move(maps), into); });
 }
 
-/// The number of ranks in the name of a store; nullopt for other names.
+/// The number of ranks in the name of a store, finished or not; nullopt for other names.
 std::optional<int> ranks_of(const std::string& name) {
-  static const std::regex store("[0-9]+-of-([0-9]{1,9})\\.maps");
+  static const std::regex store("[0-9]+-of-([0-9]{1,9})\\.maps(\\.partial)?");
   std::smatch match;
   return std::regex_match(name, match, store) ? std::optional(std::stoi(match[1])) : std::nullopt;
 }

@@ -200,6 +200,8 @@ TEST_F(StoresOfRanks, OfAnotherNumberOfRanksAreRefused) {
   const Ended ended = call_ranks(4, checkpointed(path("map.g2o")));
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_THAT(ended.err, HasSubstr("the folder has stores of 2 ranks, and this is called on 4"));
+  for (const int rank : {1, 2}) std::filesystem::rename(store(rank, 2), store(rank, 2) + ".partial");
+  EXPECT_EQ(call_ranks(4, checkpointed(path("map.g2o"))).exit_code, 2) << "where none was finished, too";
 }
 
 TEST_F(StoresOfRanks, HaveNoPlaceForPosesInAnotherOrderThanTheirIds) {

@@ -11,11 +11,23 @@ namespace mapjoin::store {
 namespace {
 
 constexpr const char* kTables[] = {
-    R"(CREATE TABLE info (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID)",
-    R"(CREATE TABLE records (chunk INTEGER PRIMARY KEY, name TEXT NOT NULL, data BLOB NOT NULL))",
+    R"(CREATE TABLE info (key TEXT PRIMARY KEY, value TEXT NOT NULL, crc32 INTEGER NOT NULL) WITHOUT ROWID)",
+    R"(CREATE TABLE records (chunk INTEGER PRIMARY KEY, name TEXT NOT NULL, data BLOB NOT NULL, crc32 INTEGER NOT NULL))",
     R"(CREATE TABLE maps (
   segment INTEGER PRIMARY KEY, base INTEGER, chi2 REAL,
-  poses BLOB, features BLOB, pose_estimates BLOB, feature_estimates BLOB, information BLOB))",
+  poses BLOB, features BLOB, pose_estimates BLOB, feature_estimates BLOB, information BLOB, crc32 INTEGER NOT NULL))",
+};
+
+/// A table, the name of its rows, and the columns that the checksum of a row covers.
+struct Checksums {
+  const char* table;
+  const char* row;
+  const char* columns;
+};
+constexpr Checksums kChecksums[] = {
+    {"info", "key", "key, value"},
+    {"records", "chunk", "name, data"},
+    {"maps", "segment", "segment, base, chi2, poses, features, pose_estimates, feature_estimates, information"},
 };
 constexpr std::size_t kChunkSize = std::size_t{1} << 20;
 
@@ -75,6 +87,23 @@ Expected<void> check_integrity(Database& database) {
   return database.damaged(printable(found.substr(found.rfind('\n') + 1)));
 }
 
+/// Bad input if a row is not as it was written.
+Expected<void> check_checksums(Database& database) {
+  for (const auto& [table, row, columns] : kChecksums) {
+    std::string found;
+    const auto checked =
+        database.rows(fmt::format("SELECT {} FROM {} WHERE crc32 IS NOT crc32({}) ORDER BY 1 LIMIT 1", row, table, columns),
+                      [&](const Statement& wrong) {
+                        found = wrong.bytes(0);
+                        return false;
+                      });
+    if (!checked) return checked;
+    if (!found.empty())
+      return database.damaged(fmt::format("{} {} of {} is not as it was written", row, printable(found), table));
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<Info> read_info(Database& database) {
@@ -97,8 +126,9 @@ Expected<void> check_database(Database& database) {
         tables.emplace_back(row.bytes(0));
         return true;
       });
-  if (!read || std::equal(tables.begin(), tables.end(), std::begin(kTables), std::end(kTables))) return read;
-  return database.damaged("its tables are not a store's");
+  if (!read) return read;
+  const bool are_of_store = std::equal(tables.begin(), tables.end(), std::begin(kTables), std::end(kTables));
+  return are_of_store ? check_checksums(database) : database.damaged("its tables are not a store's");
 }
 
 template <int Dim>
@@ -112,9 +142,9 @@ Expected<void> write_contents(Database& database, const Contents<Dim>& contents)
         [&](Statement&& statement) { return statement.bind(first).bind(second).step().map([](bool) {}); });
   };
   for (const auto& [key, value] : info_of(contents))
-    insert("INSERT INTO info VALUES (CAST(? AS TEXT), CAST(? AS TEXT))", key, value);
+    insert("INSERT INTO info VALUES (CAST(?1 AS TEXT), CAST(?2 AS TEXT), crc32(?1, ?2))", key, value);
   visit_chunks(contents, [&](std::string_view name, const std::string& bytes) {
-    insert("INSERT INTO records (name, data) VALUES (CAST(? AS TEXT), ?)", name, bytes);
+    insert("INSERT INTO records (name, data, crc32) VALUES (CAST(?1 AS TEXT), ?2, crc32(?1, ?2))", name, bytes);
   });
   return result;
 }

@@ -49,7 +49,7 @@ namespace mapjoin::store {
 /// The application id "MJST": PRAGMA application_id.
 inline constexpr std::int64_t kApplicationId = 0x4d4a5354;
 /// The version of the tables and of the records in them: PRAGMA user_version.
-inline constexpr std::int64_t kVersion = 4;
+inline constexpr std::int64_t kVersion = 5;
 
 /// The contents that a build begins with.
 template <int Dim>
@@ -82,7 +82,8 @@ bool is_same_but_for_factors(const Log<Dim>& a, const Log<Dim>& b);
 /// version.
 Expected<Database> open_store(const std::filesystem::path& path);
 
-/// Bad input if the database is damaged, or has other tables than a store: views, triggers, computed columns.
+/// Bad input if the database is damaged, a row is not as it was written, or it has other tables than a store: views, triggers,
+/// computed columns.
 Expected<void> check_database(Database& database);
 
 /// The dimension of a store's log, 2 or 3.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <functional>
+#include <limits>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/io/store/layout.hpp>
 #include <mapjoin/io/store/records.hpp>
@@ -30,16 +31,18 @@ bool take_one_of(const Info& info, const char* key, OneOf& one_of) {
   return true;
 }
 
-/// Takes the number under `key` in `info`, which is 0 or 1 for an enumeration; false if it is missing or makes no sense.
+/// Takes the number under `key` in `info`, which is not negative, and 0 or 1 for an enumeration; false if it is missing or
+/// makes no sense.
 template <typename Number>
 bool take_number(const Info& info, const std::string& key, Number& number) {
   const auto found = info.find(key);
   if (found == info.end()) return false;
   const std::string& text = found->second;
-  std::conditional_t<std::is_floating_point_v<Number>, double, std::int64_t> value{};
+  std::conditional_t<std::is_enum_v<Number>, int, Number> value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0)) return false;
-  if (std::is_enum_v<Number> && value > 1) return false;
+  const auto most = std::is_enum_v<Number> ? 1.0 : std::numeric_limits<double>::max();
+  const auto size = static_cast<double>(value);
+  if (error != std::errc() || end != text.data() + text.size() || !(0.0 <= size && size <= most)) return false;
   number = static_cast<Number>(value);
   return true;
 }

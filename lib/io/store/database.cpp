@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/io/store/database.hpp>
@@ -14,10 +16,20 @@ namespace {
 /// What can be done about an unfinished store.
 constexpr std::string_view kBuildGoesOn = "the same `mapjoin build` again goes on from there";
 
+bool is_damage(int status) {
+  return status == SQLITE_NOTADB || status == SQLITE_CORRUPT;
+}
+
+std::string damage_in_words(std::string_view what) {
+  return fmt::format("damaged store: {}; build it again", what);
+}
+
 /// The reason of a failure: SQLite's words, or others if those are about something else.
 std::string reason_of(sqlite3* database, ErrorKind kind) {
   const int status = sqlite3_errcode(database);
+  if (is_damage(status)) return damage_in_words(sqlite3_errmsg(database));
   if (status == SQLITE_BUSY) return "another process is writing it";
+  if (status == SQLITE_FULL) return "no space left on device; once there is some, the same command again goes on from there";
   // Only the writer of the store can restore its state before the interruption.
   if (status == SQLITE_READONLY && kind == ErrorKind::kBadInput) {
     return fmt::format("unfinished store: its writer was interrupted; {}", kBuildGoesOn);
@@ -27,10 +39,42 @@ std::string reason_of(sqlite3* database, ErrorKind kind) {
 }
 
 tl::unexpected<Error> error_of(sqlite3* database, const std::string& file, ErrorKind kind) {
-  const int status = sqlite3_errcode(database);
-  const bool is_damaged = status == SQLITE_NOTADB || status == SQLITE_CORRUPT;
-  return tl::unexpected(
-      Error{is_damaged ? ErrorKind::kBadInput : kind, fmt::format("{}: {}", file, printable(reason_of(database, kind)))});
+  const ErrorKind of_file = is_damage(sqlite3_errcode(database)) ? ErrorKind::kBadInput : kind;
+  return tl::unexpected(Error{of_file, fmt::format("{}: {}", file, printable(reason_of(database, kind)))});
+}
+
+template <typename Number>
+std::string_view bytes_of(const Number& number) {
+  return {reinterpret_cast<const char*>(&number), sizeof(number)};
+}
+
+/// Adds bytes to a checksum.
+uLong add_to(uLong checksum, std::string_view bytes) {
+  return crc32_z(checksum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+}
+
+/// Adds a value to a checksum: its size as an i64, -1 of NULL, then its bytes; an integer is an i64, a real number an f64.
+uLong add_to(uLong checksum, sqlite3_value* value) {
+  const auto with_size = [&](std::string_view bytes) { return add_to(add_to(checksum, bytes_of(std::ssize(bytes))), bytes); };
+  switch (sqlite3_value_type(value)) {
+    case SQLITE_NULL:
+      return add_to(checksum, bytes_of(std::int64_t{-1}));
+    case SQLITE_INTEGER:
+      return with_size(bytes_of(std::int64_t{sqlite3_value_int64(value)}));
+    case SQLITE_FLOAT:
+      return with_size(bytes_of(sqlite3_value_double(value) + 0.0));  // SQLite keeps no -0.
+    default:
+      break;
+  }
+  const auto* bytes = static_cast<const char*>(sqlite3_value_blob(value));
+  return with_size({bytes ? bytes : "", static_cast<std::size_t>(sqlite3_value_bytes(value))});
+}
+
+/// The SQL function crc32(value, ...): the CRC-32 of all values, one after the other.
+void take_crc32(sqlite3_context* context, int count, sqlite3_value** values) {
+  uLong checksum = crc32_z(0, nullptr, 0);
+  for (int k = 0; k < count; ++k) checksum = add_to(checksum, values[k]);
+  sqlite3_result_int64(context, static_cast<std::int64_t>(checksum));
 }
 
 }  // namespace
@@ -104,6 +148,11 @@ Expected<Database> Database::open(const std::filesystem::path& path, int flags, 
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
+  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
+  constexpr int kAnyNumber = -1;
+  if (sqlite3_create_function(handle, "crc32", kAnyNumber, kFlags, nullptr, take_crc32, nullptr, nullptr) != SQLITE_OK) {
+    return database.error();
+  }
   return database;
 }
 
@@ -161,7 +210,7 @@ Expected<std::int64_t> Database::integer(std::string_view sql) {
 }
 
 tl::unexpected<Error> Database::damaged(std::string_view what) const {
-  return bad_input(fmt::format("{}: damaged store: {}", file_, what));
+  return bad_input(fmt::format("{}: {}", file_, damage_in_words(what)));
 }
 
 tl::unexpected<Error> Database::unfinished(std::size_t segment) const {

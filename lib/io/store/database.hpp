@@ -42,7 +42,7 @@ class Statement {
 };
 
 /// A database file whose schema is not trusted. Errors begin with its path; they are kCannotWrite if it was opened for writing
-/// and is not damaged, otherwise bad input.
+/// and is not damaged, otherwise bad input. Its statements may call crc32(value, ...), the checksum of a row of a store.
 class Database {
  public:
   /// Opens a database for writing, and creates it if missing.

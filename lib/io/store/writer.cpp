@@ -107,7 +107,8 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
   auto database = open_with(unfinished_store(path), contents, found_damaged);
   if (!database) return tl::unexpected(database.error());
   take_permissions_of(target, unfinished_store(path));
-  auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  auto insert =
+      database->prepare("INSERT INTO maps VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, crc32(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8))");
   if (!insert) return tl::unexpected(insert.error());
   StoreWriter writer(target, std::move(*database), std::move(*insert), segments);
   writer.found_damaged_ = found_damaged;

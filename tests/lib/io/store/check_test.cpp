@@ -5,6 +5,7 @@
 #include <tests/lib/io/store/store_fixture.hpp>
 #include <tests/support/file_bytes.hpp>
 #include <tests/support/sqlite.hpp>
+#include <tests/support/store_checksums.hpp>
 #include <tests/support/stored_maps.hpp>
 #include <tests/support/temporary_folder.hpp>
 
@@ -27,7 +28,7 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
   const std::string sound = testing::bytes_of(path);
   for (const char* sql : {
            "UPDATE maps SET segment = 10 WHERE segment = 9",
-           "INSERT INTO maps (segment) VALUES (11)",
+           "INSERT INTO maps (segment, crc32) VALUES (11, 0)",
            "UPDATE maps SET base = 1 WHERE segment = 3",
            "UPDATE maps SET chi2 = 9e999 WHERE segment = 3",
            "UPDATE maps SET poses = x'ffffff7f' WHERE segment = 3",
@@ -67,8 +68,8 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
            "UPDATE records SET data = substr(data, 9, 8) || substr(data, 1, 8) || substr(data, 17) WHERE name = 'features'",
            "UPDATE records SET data = data || data WHERE name = 'poses'",
            "UPDATE records SET data = x'000000000000f87f' || substr(data, 9) WHERE name = 'initial_features'",
-           "INSERT INTO records VALUES (-1, 'pose_factors', x'00')",
-           "INSERT INTO records VALUES (99, 'sessions', zeroblob(8))",
+           "INSERT INTO records VALUES (-1, 'pose_factors', x'00', 0)",
+           "INSERT INTO records VALUES (99, 'sessions', zeroblob(8), 0)",
            "DELETE FROM records",
            "DELETE FROM info WHERE key = 'dimension'",
            "UPDATE info SET value = '4' WHERE key = 'dimension'",
@@ -77,6 +78,8 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
            "UPDATE info SET value = 'many' WHERE key = 'repaired_informations'",
            "DELETE FROM info WHERE key = 'pose_error'",
            "UPDATE info SET value = '99999999999999999999' WHERE key = 'repaired_informations'",
+           "UPDATE info SET value = '4294967298' WHERE key = 'dimension'",
+           "UPDATE info SET value = 'inf' WHERE key = 'largest_asymmetry'",
            "PRAGMA journal_mode = WAL",
            "CREATE TABLE more (a)",
            "CREATE TRIGGER t AFTER INSERT ON maps BEGIN DELETE FROM maps; END",
@@ -85,8 +88,10 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
        }) {
     folder.file("maps.mapjoin", sound);
     testing::execute_sql(path, sql);
+    testing::seal(path);  // what a stranger wrote as it is
     const auto stored = read_store(path);
     ASSERT_FALSE(stored) << sql;
+    EXPECT_THAT(stored.error().message, ::testing::Not(HasSubstr("not as it was written"))) << sql;
     EXPECT_EQ(stored.error().kind, ErrorKind::kBadInput) << sql;
     EXPECT_THAT(stored.error().message, HasSubstr("maps.mapjoin: ")) << sql;
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "left beside it: " << sql;

@@ -29,6 +29,12 @@ using ::testing::HasSubstr;
 using testing::maps_done;
 using testing::random_stored_maps;
 
+std::string with_a_bit_flipped(std::string bytes, testing::Random& random) {
+  const auto bit = static_cast<std::size_t>(random.uniform(0.0, 8.0 * static_cast<double>(bytes.size())));
+  bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ (1 << bit % 8));
+  return bytes;
+}
+
 class StoreFileTest : public testing::StoreTest<std::integral_constant<int, 2>> {
  protected:
   void SetUp() override { build_store(path, maps); }
@@ -63,11 +69,41 @@ TEST_F(StoreFileTest, OtherFilesAreNoStores) {
 
 TEST_F(StoreFileTest, NamesTheVersionOfAnother) {
   EXPECT_THAT(error_after("PRAGMA user_version = 1"),
-              HasSubstr("a mapjoin store of version 1; this mapjoin reads version 4: build it again"));
+              HasSubstr("a mapjoin store of version 1; this mapjoin reads version 5: build it again"));
 }
 
 TEST_F(StoreFileTest, AnUnfinishedStoreIsNotRead) {
   EXPECT_THAT(error_after("DELETE FROM maps WHERE segment = 9"), HasSubstr("the local map of segment 9 is missing"));
+}
+
+TEST_F(StoreFileTest, ABitThatFlipsChangesNothingUnnoticed) {
+  const std::string whole = testing::bytes_of(path);
+  int noticed = 0;
+  for (int flip = 0; flip < 500; ++flip) {
+    folder.file("maps.mapjoin", with_a_bit_flipped(whole, random));
+    const auto stored = read();
+    if (stored) expect_same(*stored, maps);  // it was in no content
+    noticed += stored ? 0 : 1;
+  }
+  EXPECT_GT(noticed, 100);
+}
+
+TEST_F(StoreFileTest, ABuildThatGoesOnTakesNoFlippedBitOver) {
+  const std::string whole = testing::bytes_of(path);
+  for (int flip = 0; flip < 50; ++flip) {
+    folder.file("maps.mapjoin.partial", with_a_bit_flipped(whole, random));
+    build_store(path, maps);
+    expect_same(*read(), maps);
+  }
+}
+
+TEST_F(StoreFileTest, NamesTheRowThatIsNotAsItWasWritten) {
+  EXPECT_THAT(error_after("UPDATE maps SET chi2 = chi2 + 1 WHERE segment = 3"),
+              HasSubstr("maps.mapjoin: damaged store: segment 3 of maps is not as it was written; build it again"));
+  EXPECT_THAT(error_after("UPDATE records SET data = zeroblob(length(data)) WHERE name = 'stamps_ns'"),
+              HasSubstr("of records is not as it was written"));
+  EXPECT_THAT(error_after("UPDATE info SET value = 'x' WHERE key = 'source'"),
+              HasSubstr("key source of info is not as it was written"));
 }
 
 TEST_F(StoreFileTest, ACutLosesNothingUnnoticed) {

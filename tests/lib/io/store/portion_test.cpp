@@ -8,6 +8,7 @@
 #include <tests/lib/io/store/store_fixture.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/sqlite.hpp>
+#include <tests/support/store_checksums.hpp>
 #include <tests/support/stored_maps.hpp>
 
 namespace mapjoin {
@@ -17,6 +18,7 @@ namespace fs = std::filesystem;
 using testing::build_store;
 using testing::execute_sql;
 using ::testing::HasSubstr;
+using testing::seal;
 using testing::StoreTest;
 
 template <typename D>
@@ -75,6 +77,7 @@ TYPED_TEST(PortionTest, IsOneOfSoMany) {
   const fs::path store = this->build(1, 3);
   for (const char* wrong : {"0/3", "4/3", "2/3x", "2", "2/", "x", "1/1", "-1/3"}) {
     execute_sql(store, fmt::format("UPDATE info SET value = '{}' WHERE key = 'portion'", wrong));
+    seal(store);
     const auto read = read_store(store);
     ASSERT_FALSE(read) << wrong;
     EXPECT_THAT(read.error().message, HasSubstr("damaged store: info portion makes no sense")) << wrong;

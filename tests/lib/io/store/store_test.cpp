@@ -16,6 +16,7 @@
 #include <tests/support/dimensions.hpp>
 #include <tests/support/file_bytes.hpp>
 #include <tests/support/sqlite.hpp>
+#include <tests/support/store_checksums.hpp>
 #include <tests/support/stored_maps.hpp>
 
 namespace mapjoin {
@@ -29,6 +30,7 @@ using testing::expect_same;
 using ::testing::HasSubstr;
 using testing::maps_done;
 using testing::random_stored_maps;
+using testing::seal;
 using testing::StoreTest;
 
 TYPED_TEST_SUITE(StoreTest, testing::Dimensions);
@@ -100,6 +102,7 @@ TYPED_TEST(StoreTest, TheFirstOfManyMapsThatIsDamagedIsNamed) {
   build_store(this->path, maps);
   for (const int segment : {39, 3}) {
     execute_sql(this->path, fmt::format("UPDATE maps SET information = x'00' WHERE segment = {}", segment));
+    seal(this->path);
     for (const std::size_t threads : {1u, 4u}) {
       const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
       const auto read = this->read();
@@ -189,6 +192,7 @@ TYPED_TEST(StoreTest, AShareOfTheMapsIsOneOfSoMany) {
   EXPECT_EQ(this->read()->share, (Share{1, 3}));
   EXPECT_TRUE(this->read()->portion.is_whole());
   execute_sql(this->path, "UPDATE info SET value = '4/3' WHERE key = 'part'");
+  seal(this->path);
   EXPECT_THAT(this->read().error().message, HasSubstr("damaged store: info part makes no sense"));
   execute_sql(this->path, "DELETE FROM info WHERE key = 'part'");
   EXPECT_TRUE(this->read()->share.is_whole());
@@ -205,6 +209,7 @@ TYPED_TEST(StoreTest, SaysThatFeaturesAreSharedWhereTheUserDid) {
   write(false);
   write(true);
   execute_sql(this->path, "UPDATE info SET value = 'own' WHERE key = 'features'");
+  seal(this->path);
   EXPECT_THAT(this->read().error().message, HasSubstr("damaged store: info features makes no sense"));
 }
 
