@@ -52,17 +52,15 @@ void refuse_for_maps(Subcommand& command, const Options& options, const std::str
 
 /// Takes "closure=3,odometry=1.5"; returns a violation otherwise.
 std::optional<std::string> take_inflation(const std::string& words, Inflation& inflation) {
-  constexpr double kLeast = 1e-6;
-  constexpr double kMost = 1e6;
   std::istringstream list(words + ",");
   for (std::string word; std::getline(list, word, ',');) {
     const std::size_t equals = word.find('=');
     const auto kind = std::ranges::find(kInflatedKinds, word.substr(0, equals), &InflatedKind::name);
     const auto factor = equals == word.npos ? std::nullopt : number_in<double>(word.substr(equals + 1));
-    if (kind == kInflatedKinds.end() || !factor || !(*factor >= kLeast && *factor <= kMost)) {
+    if (kind == kInflatedKinds.end() || !factor || !(*factor >= Inflation::kLeast && *factor <= Inflation::kMost)) {
       return fmt::format(
           "not closure=X, odometry=X, observation=X, prior=X or map=X, with X from {:g} to {:g} and commas between them",
-          kLeast, kMost);
+          Inflation::kLeast, Inflation::kMost);
     }
     inflation.*kind->factor = *factor;
   }

@@ -135,9 +135,11 @@ Expected<void> check_factors(const Log<Dim>& names, const FactorGraph<Dim>& grap
   try {
     builder.append(log);
   } catch (const std::out_of_range&) {
-    return bad_input(source + ": its arrays do not hang together");
+    return bad_input(source + ": its arrays do not hang together; build it again");
   }
-  return std::move(builder).finish(PoseOrder::kOfIds).map([](const Log<Dim>&) {});
+  return std::move(builder).finish(PoseOrder::kOfIds).map([](const Log<Dim>&) {}).map_error([](const Error& error) {
+    return Error{error.kind, error.message + "; build it again"};
+  });
 }
 
 /// The first poses of the shares, each where one segment ends and the next begins: at the first such pose from an even cut on,

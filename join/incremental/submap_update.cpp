@@ -77,12 +77,6 @@ void name(const PoseIds& poses, const FeatureIds& features, SubmapUpdate<Dim>& u
   update.features = names.features.take_names();
 }
 
-template <int Dim>
-bool has_losses(const FactorGraph<Dim>& graph) {
-  const auto has_loss = [](const auto& factor) { return factor.loss != Loss{}; };
-  return std::ranges::any_of(graph.pose_factors, has_loss) || std::ranges::any_of(graph.feature_factors, has_loss);
-}
-
 /// True if the update has one segment at most, and its local map, if the segment is one, keeps exactly its poses.
 template <int Dim>
 bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
@@ -186,7 +180,7 @@ Expected<void> check_update(const SubmapUpdate<Dim>& update) {
   if (const auto checked = check_content(update); !checked) return checked;
   if (!is_of_its_segment(update)) return wrong("its local map is not of the poses of its one segment, in their order");
   if (has_levers(update.graph)) return wrong("priors with levers cannot be joined map by map");
-  if (has_losses(update.graph)) return wrong("factors with a loss cannot be joined map by map");
+  if (count_losses(update.graph) > 0) return wrong("factors with a loss cannot be joined map by map");
   return {};
 }
 

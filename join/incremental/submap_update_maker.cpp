@@ -23,6 +23,8 @@ SubmapUpdate<Dim>& update_of(const PoseId& pose, std::vector<SubmapUpdate<Dim>>&
 template <int Dim>
 SubmapUpdateMaker<Dim>::SubmapUpdateMaker(SplitOptions split, MinimiseOptions solver)
     : split_(split), solver_(std::move(solver)) {
+  demand_valid(split_);
+  demand_valid(solver_);
   if (split_.rule == SplitRule::kAuto) split_ = {SplitRule::kPoses, kPosesPerMap};
 }
 

@@ -28,6 +28,7 @@ template <int Dim>
 class SubmapUpdateMaker {
  public:
   /// `split` is by a number of poses, features or metres; kAuto is 10 poses, as its cost model needs the whole log.
+  /// Throws std::invalid_argument if the options do not validate.
   explicit SubmapUpdateMaker(SplitOptions split, MinimiseOptions solver = {});
 
   /// Takes odometry, closures, feature observations and priors, with their losses; fixed poses are ignored. What concerns a

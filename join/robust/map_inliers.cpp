@@ -83,7 +83,8 @@ Inflation inflation_of(const Log<Dim>& kept, Engine engine, const std::stop_toke
   Inflation inflation;
   if (!result) return inflation;
   for (const KindScale& kind : result->fit.kinds) {
-    if (kind.is_too_certain && kind.kind != PartKind::kPrior) inflation.*inflation_of_kind(kind.kind) = std::sqrt(kind.scale);
+    if (!kind.is_too_certain || kind.kind == PartKind::kPrior) continue;
+    inflation.*inflation_of_kind(kind.kind) = std::min(std::sqrt(kind.scale), Inflation::kMost);
   }
   return inflation;
 }

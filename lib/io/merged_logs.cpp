@@ -235,7 +235,12 @@ Expected<std::uint64_t> step_apart(std::uint64_t largest, std::size_t parts) {
 
 template <int Dim>
 Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& options) {
+  if (logs.empty()) throw std::invalid_argument("no logs to be merged");
+  for (const Log<Dim>& log : logs) {
+    if (auto sound = check_invariants(log); !sound) return tl::unexpected(sound.error());
+  }
   if (logs.size() == 1) return std::move(logs.front());
+  if (auto once = options.keep_copies ? Expected<void>() : check_no_copies(logs); !once) return tl::unexpected(once.error());
   if (auto apart = options.own_features ? number_features_apart(logs) : Expected<void>(); !apart)
     return tl::unexpected(apart.error());
   std::vector<NamedConventions> named;

@@ -70,12 +70,13 @@ Expected<void> number_features_apart(std::vector<Part>& parts) {
   });
 }
 
-/// The logs, at least one, as one log. The sessions of a log, usually one, follow those of the logs before it. Each log is in a
+/// The logs as one log. The sessions of a log, usually one, follow those of the logs before it. Each log is in a
 /// frame of its own unless it has priors, which are all of the World: the first log with priors holds the map, otherwise the
 /// first that fixes poses; fixed poses of the others are left out and counted, and so are copies of edges, time stamps unless
 /// every log has them, and all initial values if several logs have one of the same feature. Own features of log n are numbered
-/// from n times a power of ten on. Bad input: an edge to a pose that no log declares, or several, and weights that
-/// common_conventions() refuses; kUsage: ids of own features that do not fit into 64 bits.
+/// from n times a power of ten on. Bad input: a fault that check_invariants() finds, an edge to a pose that no log declares, or
+/// several, and weights that common_conventions() refuses; kUsage: a copy of another log (see check_no_copies()), and ids of own
+/// features that do not fit into 64 bits. Throws std::invalid_argument if there is no log.
 template <int Dim>
 Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& options = {});
 

@@ -37,8 +37,7 @@ Expected<AnyLog> merged_as(std::vector<AnyLog> logs, const std::vector<std::file
     if (!log) return bad_input(fmt::format("{} is in {}D, but {} is not", paths.front().string(), Dim, paths[k].string()));
     same.push_back(std::move(*log));
   }
-  const auto once = options.keep_copies ? Expected<void>() : check_no_copies(same);
-  return once.and_then([&] { return merged(std::move(same), options); });
+  return merged(std::move(same), options);
 }
 
 /// The portion that a store has; the whole for anything else.

@@ -6,7 +6,9 @@
 #include <array>
 #include <cstdint>
 #include <mapjoin/model/enum_names.hpp>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace mapjoin {
 
@@ -59,12 +61,17 @@ struct MatrixRepairs {
 
 /// Factors on the standard deviations that the input gives to the measurements of a kind.
 struct Inflation {
+  static constexpr double kLeast = 1e-6;
+  static constexpr double kMost = 1e6;
+
   double closures = 1.0;
   double odometry = 1.0;
   double observations = 1.0;
   double priors = 1.0;
   double maps = 1.0;  ///< Of local maps.
 
+  /// Violated constraints; empty if every factor is from kLeast to kMost.
+  std::vector<std::string> validate() const;
   bool operator==(const Inflation&) const = default;
 };
 
@@ -78,6 +85,12 @@ inline constexpr auto kInflatedKinds = std::to_array<InflatedKind>({{"closure", 
                                                                     {"observation", &Inflation::observations},
                                                                     {"prior", &Inflation::priors},
                                                                     {"map", &Inflation::maps}});
+
+inline std::vector<std::string> Inflation::validate() const {
+  const auto is_within = [&](const InflatedKind& kind) { return this->*kind.factor >= kLeast && this->*kind.factor <= kMost; };
+  if (std::ranges::all_of(kInflatedKinds, is_within)) return {};
+  return {"a factor on standard deviations must be from 1e-6 to 1e6"};
+}
 
 struct Conventions {
   PoseError pose_error = PoseError::kPaper;

@@ -120,6 +120,7 @@ std::optional<std::string> fault(Factor& factor, InformationCheck& check) {
   if (!is_valid(factor.measured)) return "has a measurement that is not finite, or no rotation";
   if constexpr (requires { factor.lever; }) {
     if (!is_valid(factor.lever)) return "has a lever that is not finite";
+    if (factor.base != kWorld && !factor.lever.isZero(0.0)) return "has a lever, which only priors have";
   }
   if (!is_valid(factor.loss))
     return "has a loss whose ends are not 0 < quadratic_to <= constant_from, or have no finite product above 0";

@@ -46,6 +46,14 @@ bool has_levers(const FactorGraph<Dim>& graph) {
   return std::ranges::any_of(graph.pose_factors, [](const auto& factor) { return !factor.lever.isZero(0.0); });
 }
 
+/// The number of factors with a loss of their own, which no file has a place for.
+template <int Dim>
+std::size_t count_losses(const FactorGraph<Dim>& graph) {
+  const auto has_loss = [](const auto& factor) { return factor.loss != Loss{}; };
+  return static_cast<std::size_t>(std::ranges::count_if(graph.pose_factors, has_loss) +
+                                  std::ranges::count_if(graph.feature_factors, has_loss));
+}
+
 /// A selection of the factors of graphs, which must outlive it. It holds pointers, since a log has millions of factors.
 template <int Dim>
 struct FactorSelection {
@@ -69,9 +77,11 @@ void use_identity_covariance(Data& data) {
 }
 
 /// Multiplies the standard deviations of the measurements of a log or a set of maps, each by the factor of its kind, and the
-/// factors in its conventions, which are those since it was read.
+/// factors in its conventions, which are those since it was read. Of a set, which has no odometry, every edge is a closure.
+/// Throws std::invalid_argument if the factors do not validate.
 template <typename Data>
 void inflate(const Inflation& by, Data& data) {
+  demand_valid(by);
   const auto weaken = [](auto& information, double factor) { information /= factor * factor; };
   std::size_t odometry = 0;
   if constexpr (requires { data.odometry(); }) odometry = data.odometry().size();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <vector>
 
 namespace mapjoin {
@@ -18,6 +19,15 @@ template <typename List>
 void make_distinct(List& list) {
   std::ranges::sort(list);
   list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+/// The least element that a list has more than once, if any.
+template <typename List>
+auto repeated(const List& list) {
+  std::vector sorted(list.begin(), list.end());
+  if (!std::ranges::is_sorted(sorted)) std::ranges::sort(sorted);
+  const auto twice = std::ranges::adjacent_find(sorted);
+  return twice == sorted.end() ? std::nullopt : std::optional(*twice);
 }
 
 /// At most `most` of the wanted elements of a list, or of all, spread evenly.

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <cmath>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/local_map.hpp>
 
@@ -14,8 +17,12 @@ std::optional<std::string> fault(const LocalMap<Dim>& map) {
       !std::all_of(map.feature_estimates.begin(), map.feature_estimates.end(), is_sound)) {
     return "has an estimate that is not finite, or no rotation";
   }
+  if (!std::isfinite(map.chi2)) return "has a chi2 that is not finite";
   const auto rows = map.row(map.poses.size() + map.features.size());
-  if (map.information.rows() != rows || map.information.cols() != rows) return "has an information matrix of another size";
+  if (map.information.rows() != rows || map.information.cols() != rows) {
+    return fmt::format("has an information matrix of {} rows and {} columns for {} coordinates of its poses and features",
+                       map.information.rows(), map.information.cols(), rows);
+  }
   Eigen::MatrixXd W = map.information;
   const auto fault = InformationCheck().fault<Eigen::Dynamic>(W);
   return fault ? std::optional("has an information matrix that " + *fault) : std::nullopt;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mapjoin/model/faults.hpp>
 #include <mapjoin/model/log.hpp>
 #include <numeric>
 #include <utility>
@@ -73,31 +74,19 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
   return sessions;
 }
 
-/// The name of a pose or feature; its index if there is none.
-template <typename Index, typename Id>
-std::string name_of(const Table<Index, Id>& names, Index index) {
-  return indices(names).contains(index) ? to_string(names[index]) : fmt::format("index {}", index.value);
+template <typename Factor, typename Targets>
+Expected<void> check_order(const char* kind, const std::vector<Factor>& factors, const PoseIds& poses, const Targets& targets) {
+  const auto place = [&](const Factor& factor) { return place_of(factor, poses); };
+  const auto ordered_end = std::ranges::is_sorted_until(factors, {}, place);
+  if (ordered_end == factors.end()) return {};
+  const auto k = static_cast<std::size_t>(ordered_end - factors.begin());
+  return bad_input(factor_in_words(kind, k, *ordered_end, poses, targets) +
+                   "is out of order: put_in_order() sorts the factors");
 }
 
 template <typename Factor, typename Targets>
-Expected<void> check_factors(const char* kind, const std::vector<Factor>& factors, const PoseIds& poses,
-                             const Targets& targets) {
-  std::size_t place = 0;
-  for (std::size_t k = 0; k < factors.size(); ++k) {
-    const Factor& o = factors[k];
-    const auto wrong = [&](const char* why) {
-      return bad_input(fmt::format("{} {}, from {} to {}, {}", kind, k, is_prior(o) ? "the World" : name_of(poses, o.base),
-                                   name_of(targets, o.target), why));
-    };
-    const bool is_there = (is_prior(o) || indices(poses).contains(o.base)) && indices(targets).contains(o.target);
-    if (!is_there) return wrong("names a pose or feature that the log does not have");
-    if constexpr (requires { o.base == o.target; }) {
-      if (o.base == o.target) return wrong("leads from a pose to itself");
-    }
-    const std::size_t before = std::exchange(place, place_of(o, poses));
-    if (place < before) return wrong("is out of order: put_in_order() sorts the factors");
-  }
-  return {};
+Expected<void> check(const char* kind, const std::vector<Factor>& factors, const PoseIds& poses, const Targets& targets) {
+  return check_factors(kind, factors, poses, targets).and_then([&] { return check_order(kind, factors, poses, targets); });
 }
 
 template <int Dim>
@@ -105,6 +94,7 @@ Expected<void> check_fixed(const std::vector<FixedPose<Dim>>& fixed, const PoseI
   PoseIndex before = kWorld;
   for (const auto& [pose, value] : fixed) {
     if (!indices(poses).contains(pose)) return bad_input(name_of(poses, pose) + " is fixed, but the log has no such pose");
+    if (!is_valid(value)) return bad_input(name_of(poses, pose) + " is fixed at a value that is not finite, or no rotation");
     if (pose == before) return bad_input(name_of(poses, pose) + " is fixed twice");
     if (pose < before) return bad_input("its fixed poses are out of order: put_in_order() sorts them");
     before = pose;
@@ -127,6 +117,14 @@ template <typename Values, typename Names>
 Expected<void> check_given(const char* kind, const Values& values, const Names& names) {
   if (values.empty() || values.size() == names.size()) return {};
   return bad_input(fmt::format("it has {} {} for {}", values.size(), kind, names.size()));
+}
+
+/// Bad input unless initial values are valid.
+template <typename Values, typename Names>
+Expected<void> check_values(const Values& values, const Names& names) {
+  const auto wrong = std::ranges::find_if(values, [](const auto& value) { return !is_valid(value); });
+  if (wrong == values.end()) return {};
+  return bad_input(to_string(names.begin()[wrong - values.begin()]) + " has a value that is not finite, or no rotation");
 }
 
 }  // namespace
@@ -190,13 +188,17 @@ template <int Dim>
 Expected<void> check_invariants(const Log<Dim>& log) {
   if (log.poses.empty()) return bad_input_of(log.source, "there are no poses");
   const auto checked =
-      check_factors("pose factor", log.graph.pose_factors, log.poses, log.poses)
-          .and_then([&] { return check_factors("feature factor", log.graph.feature_factors, log.poses, log.features); })
+      check_names(log.poses)
+          .and_then([&] { return check_names(log.features); })
+          .and_then([&] { return check("pose factor", log.graph.pose_factors, log.poses, log.poses); })
+          .and_then([&] { return check("feature factor", log.graph.feature_factors, log.poses, log.features); })
           .and_then([&] { return check_fixed(log.graph.fixed, log.poses); })
           .and_then([&] { return check_sessions(log.sessions, log.poses); })
           .and_then([&] { return check_given("time stamps of poses", log.stamps_ns, log.poses); })
           .and_then([&] { return check_given("initial values of poses", log.initial.poses, log.poses); })
-          .and_then([&] { return check_given("initial values of features", log.initial.features, log.features); });
+          .and_then([&] { return check_given("initial values of features", log.initial.features, log.features); })
+          .and_then([&] { return check_values(log.initial.poses, log.poses); })
+          .and_then([&] { return check_values(log.initial.features, log.features); });
   if (!checked) return bad_input_of(log.source, checked.error().message);
   if (!log.graph.submaps.empty()) return bad_input_of(log.source, "a log has no local maps: a SubmapSet has");
   return {};

@@ -85,9 +85,11 @@ using AnyLog = std::variant<Log<2>, Log<3>>;
 template <int Dim>
 void put_in_order(Log<Dim>& log);
 
-/// Checks a log that was made or changed without LogBuilder. kBadInput unless there are poses; factors and fixed poses are of
-/// poses and features of the log and in order, factors between two different ones; sessions hold every pose once, in order;
-/// stamps and initial values are of all or of none; and there are no local maps. Numbers are not checked. O(n).
+/// Checks a log that was made or changed without LogBuilder. kBadInput unless there are poses; each is named once, and so
+/// is each feature; factors and fixed poses are of poses and features of the log and in order, factors between two different
+/// ones; sessions hold every pose once, in order; stamps and initial values are of all or of none; numbers are those that
+/// LogBuilder takes, or a factor is dropped by its loss; and there are no local maps. O(n), O(n log n) where poses are not in
+/// the order of their names.
 template <int Dim>
 Expected<void> check_invariants(const Log<Dim>& log);
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <mapjoin/model/fixed_faults.hpp>
+#include <mapjoin/model/faults.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/log_builder.hpp>
@@ -168,34 +168,36 @@ std::vector<PoseId> LogBuilder<Dim>::fixed_poses() const {
 
 template <int Dim>
 Expected<Log<Dim>> LogBuilder<Dim>::finish(PoseOrder order) && {
-  return finish_with([&]() -> Expected<void> {
-    if (order == PoseOrder::kDriven) take_order_of_edges(log_);
+  return finish_with([&](Log<Dim>& log) -> Expected<void> {
+    if (order == PoseOrder::kDriven) take_order_of_edges(log);
     return {};
   });
 }
 
 template <int Dim>
 Expected<Log<Dim>> LogBuilder<Dim>::finish(const PoseIds& order) && {
-  return finish_with([&] { return take_order(order, log_); });
+  return finish_with([&](Log<Dim>& log) { return take_order(order, log); });
 }
 
 template <int Dim>
 template <typename F>
 Expected<Log<Dim>> LogBuilder<Dim>::finish_with(F&& order_poses) {
-  log_.poses = PoseIds(poses_.names.take());
-  log_.features = FeatureIds(features_.names.take());
-  return check_names()
-      .and_then([&] { return check_edges(); })
-      .and_then([&] { return check_numbers(); })
-      .map([&] { resolve_ends(); })
-      .and_then([&] { return resolve_values(); })
-      .and_then(order_poses)
+  LogBuilder all = std::exchange(*this, LogBuilder(log_.source));
+  Log<Dim>& log = all.log_;
+  log.poses = PoseIds(all.poses_.names.take());
+  log.features = FeatureIds(all.features_.names.take());
+  return all.check_names()
+      .and_then([&] { return all.check_edges(); })
+      .and_then([&] { return all.check_numbers(); })
+      .map([&] { all.resolve_ends(); })
+      .and_then([&] { return all.resolve_values(); })
+      .and_then([&] { return order_poses(log); })
       .map([&] {
-        put_in_order(log_);
-        return std::move(log_);
+        put_in_order(log);
+        return std::move(log);
       })
       .map_error([&](const Error& error) {
-        return Error{error.kind, log_.source + ": " + error.message};
+        return log_.source.empty() ? error : Error{error.kind, log_.source + ": " + error.message};
       });
 }
 

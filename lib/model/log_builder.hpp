@@ -109,7 +109,8 @@ class LogBuilder {
   /// The log, with Log's invariants. kBadInput: an edge from a pose to itself, a pose or feature with two initial values, a
   /// pose with two stamps, stamps on some poses only, a pose that is fixed at two places or mentioned only by its fixing, a
   /// second fixed pose without a value, a log without poses; a number that is not finite, a quaternion that is not of unit
-  /// length, and an information matrix that InformationCheck refuses. kTooLarge from 2^31 - 1 poses or features on. O(n log n).
+  /// length, and an information matrix that InformationCheck refuses. kTooLarge from 2^31 - 1 poses or features on. The builder
+  /// is left as LogBuilder(source) makes one, also after an error. O(n log n).
   Expected<Log<Dim>> finish(PoseOrder order = PoseOrder::kDriven) &&;
   /// The log with its poses in this order; kBadInput also if it does not name each of them once.
   Expected<Log<Dim>> finish(const PoseIds& order) &&;

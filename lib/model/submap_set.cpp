@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mapjoin/model/information.hpp>
+#include <mapjoin/model/faults.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <numeric>
 #include <optional>
@@ -17,46 +17,10 @@ bool is_among(const Table<Index, Id>& names, Index index) {
   return indices(names).contains(index);
 }
 
-/// An element that a list has more than once, if any.
-template <typename List>
-auto repeated(const List& list) {
-  std::vector sorted(list.begin(), list.end());
-  std::ranges::sort(sorted);
-  const auto twice = std::ranges::adjacent_find(sorted);
-  return twice == sorted.end() ? std::nullopt : std::optional(*twice);
-}
-
-template <typename Index, typename Id>
-Expected<void> check_names(const Table<Index, Id>& names) {
-  const auto twice = repeated(names);
-  return twice ? bad_input("it names " + to_string(*twice) + " twice") : Expected<void>();
-}
-
 template <int Dim>
 bool is_within(const LocalMap<Dim>& map, const SubmapSet<Dim>& set) {
   return is_among(set.poses, map.base) && std::ranges::all_of(map.poses, [&](auto p) { return is_among(set.poses, p); }) &&
          std::ranges::all_of(map.features, [&](auto f) { return is_among(set.features, f); });
-}
-
-template <typename Observation, typename Targets>
-Expected<void> check_observations(const std::vector<Observation>& observations, const PoseIds& poses, const Targets& targets,
-                                  const char* what) {
-  InformationCheck check;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    Observation o = observations[i];
-    const bool is_of_the_set = (o.base == kWorld || is_among(poses, o.base)) && is_among(targets, o.target);
-    const auto wrong = is_of_the_set ? fault(o, check) : std::optional<std::string>("names no pose or feature");
-    if (wrong) return bad_input(fmt::format("{} {} {}", what, i, *wrong));
-  }
-  return {};
-}
-
-template <int Dim>
-Expected<void> check_edges(const SubmapSet<Dim>& set) {
-  const auto leads_to_itself = [](const PoseFactor<Dim>& o) { return o.base == o.target; };
-  const auto edge = std::ranges::find_if(set.graph.pose_factors, leads_to_itself);
-  if (edge == set.graph.pose_factors.end()) return {};
-  return bad_input("an edge leads from " + to_string(set.poses[edge->base]) + " to itself");
 }
 
 /// The fault of a map that has a pose, its base included, or a feature twice; nullopt if none.
@@ -72,7 +36,7 @@ std::optional<std::string> named_twice(const LocalMap<Dim>& map, const SubmapSet
 /// The fault of a map of the set; nullopt if none.
 template <int Dim>
 std::optional<std::string> fault(const LocalMap<Dim>& map, const SubmapSet<Dim>& set) {
-  if (!is_within(map, set)) return "names no pose or feature";
+  if (!is_within(map, set)) return "names a pose or feature that is not there";
   if (auto twice = named_twice(map, set)) return twice;
   return fault(map);
 }
@@ -89,7 +53,8 @@ template <int Dim>
 Expected<void> check_fixed(const SubmapSet<Dim>& set) {
   for (const FixedPose<Dim>& fixed : set.graph.fixed) {
     if (!is_among(set.poses, fixed.pose)) return bad_input("a fixed pose is not there");
-    if (!is_valid(fixed.value)) return bad_input(to_string(set.poses[fixed.pose]) + " is fixed nowhere");
+    if (!is_valid(fixed.value))
+      return bad_input(to_string(set.poses[fixed.pose]) + " is fixed at a value that is not finite, or no rotation");
   }
   return fixed_once(set.graph.fixed, set.poses).map([](const auto&) {});
 }
@@ -102,10 +67,8 @@ Expected<void> check_content(const SubmapSet<Dim>& set) {
       check_names(set.poses)
           .and_then([&] { return check_names(set.features); })
           .and_then([&] { return check_maps(set); })
-          .and_then([&] { return check_observations(set.graph.pose_factors, set.poses, set.poses, "pose observation"); })
-          .and_then(
-              [&] { return check_observations(set.graph.feature_factors, set.poses, set.features, "feature observation"); })
-          .and_then([&] { return check_edges(set); })
+          .and_then([&] { return check_factors("pose factor", set.graph.pose_factors, set.poses, set.poses); })
+          .and_then([&] { return check_factors("feature factor", set.graph.feature_factors, set.poses, set.features); })
           .and_then([&] { return check_fixed(set); });
   return checked ? checked : bad_input_of(set.source, checked.error().message);
 }

@@ -27,7 +27,8 @@ struct SubmapSet {
 };
 
 /// Checks a set made in memory. kBadInput unless it names its poses and features once each, its maps and observations refer to
-/// poses and features of the set, none twice, and their numbers are valid; a pose may be fixed twice only at the same place.
+/// poses and features of the set, none twice, and their numbers are valid, or a factor is
+/// dropped by its loss; a pose may be fixed twice only at the same place.
 template <int Dim>
 Expected<void> check_content(const SubmapSet<Dim>& set);
 

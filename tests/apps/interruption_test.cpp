@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -92,6 +93,8 @@ TEST_F(InterruptedCall, OfAFollowedLogASlowReaderGetsTheWholeMap) {
       command_line({"run", kBundledLog, "--follow", "--idle", "600", "--steps", path("steps"), "-o", path("pipe")}));
   while (process.is_running() && !fs::exists(path("steps"))) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   process.send(SIGINT);
+  ::pollfd written{reader, POLLIN, 0};
+  while (process.is_running() && ::poll(&written, 1, 100) == 0) continue;
   std::this_thread::sleep_for(std::chrono::seconds(2));  // until the pipe is full
   ::fcntl(reader, F_SETFL, 0);
   const std::string map = all_of(reader);

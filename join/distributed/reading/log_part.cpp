@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <mapjoin/distributed/reading/log_part.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
-#include <mapjoin/model/fixed_faults.hpp>
+#include <mapjoin/model/faults.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/model/renumber.hpp>

@@ -5,7 +5,7 @@
 #include <mapjoin/io/formats/edge_text_piece.hpp>
 #include <mapjoin/io/formats/undeclared.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
-#include <mapjoin/model/fixed_faults.hpp>
+#include <mapjoin/model/faults.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numeric>
 #include <optional>

@@ -242,6 +242,7 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
   const bool all_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
   if (!room.pose_values || (room.feature_values && !all_values))
     tell(has_values ? 1 : 0, "the values of poses and features are");
+  tell(count_losses(log.graph), "losses of factors are");
   if (!room.stamps) tell(log.stamps_ns.size(), "time stamps are");
   const bool names_all = needs_values(format) || (room.feature_values && all_values);
   if (!names_all) tell(unmentioned(log), "poses and features that no edge mentions are");

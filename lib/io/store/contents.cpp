@@ -142,9 +142,10 @@ Expected<void> write_contents(Database& database, const Contents<Dim>& contents)
         [&](Statement&& statement) { return statement.bind(first).bind(second).step().map([](bool) {}); });
   };
   for (const auto& [key, value] : info_of(contents))
-    insert("INSERT INTO info VALUES (CAST(?1 AS TEXT), CAST(?2 AS TEXT), crc32(?1, ?2))", key, value);
+    insert("INSERT INTO info VALUES (CAST(?1 AS TEXT), CAST(?2 AS TEXT), crc32(CAST(?1 AS TEXT), CAST(?2 AS TEXT)))", key,
+           value);
   visit_chunks(contents, [&](std::string_view name, const std::string& bytes) {
-    insert("INSERT INTO records (name, data, crc32) VALUES (CAST(?1 AS TEXT), ?2, crc32(?1, ?2))", name, bytes);
+    insert("INSERT INTO records (name, data, crc32) VALUES (CAST(?1 AS TEXT), ?2, crc32(CAST(?1 AS TEXT), ?2))", name, bytes);
   });
   return result;
 }

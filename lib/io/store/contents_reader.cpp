@@ -49,19 +49,19 @@ bool take_number(const Info& info, const std::string& key, Number& number) {
 
 /// The log that LogBuilder makes of these arrays. Throws std::out_of_range if one refers to a pose or feature that is missing.
 template <int Dim>
-Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
-  LogBuilder<Dim> builder(source, without_repairs(log.conventions));
+Expected<Log<Dim>> built_anew(const Log<Dim>& log) {
+  LogBuilder<Dim> builder("", without_repairs(log.conventions));
   builder.append(log);
   return std::move(builder).finish(log.poses);
 }
 
 /// The log built anew; nullopt if its arrays do not fit together.
 template <int Dim>
-std::optional<Expected<Log<Dim>>> built_if_sound(const Log<Dim>& log, const std::string& source) {
+std::optional<Expected<Log<Dim>>> built_if_sound(const Log<Dim>& log) {
   const auto fits = [](const auto& values, const auto& names) { return values.size() <= names.size(); };
   if (!fits(log.initial.poses, log.poses) || !fits(log.initial.features, log.features)) return std::nullopt;
   try {
-    return built_anew(log, source);
+    return built_anew(log);
   } catch (const std::out_of_range&) {
     return std::nullopt;
   }
@@ -133,10 +133,10 @@ template <int Dim>
 Expected<StoredMaps<Dim>> read_contents(Database& database) {
   auto stored = read_arrays<Dim>(database, "SELECT name, data FROM records ORDER BY chunk");
   if (!stored) return stored;
-  auto built = built_if_sound(stored->log, database.file() + ": damaged store");
+  auto built = built_if_sound(stored->log);
   if (!built) return database.damaged("its arrays do not hang together");
   Expected<Log<Dim>>& log = *built;
-  if (!log) return tl::unexpected(log.error());
+  if (!log) return database.damaged(log.error().message);
   if (log->features != stored->log.features) return database.damaged("its features are not in order");
   if (!are_in_order(stored->segments, *log)) return database.damaged("its segments are not in order");
   log->source = std::move(stored->log.source);

@@ -3,7 +3,6 @@
 // Local maps from the rows of a store that is not trusted.
 
 #include <algorithm>
-#include <cmath>
 #include <mapjoin/io/store/database.hpp>
 #include <mapjoin/io/store/records.hpp>
 #include <mapjoin/model/local_map.hpp>
@@ -42,7 +41,7 @@ bool is_map_of(const LocalMap<Dim>& map, const Segment& segment, IndexRange<Feat
   std::sort(features.begin(), features.end());
   const bool is_once = std::adjacent_find(features.begin(), features.end()) == features.end();
   const bool is_known = std::ranges::all_of(features, [&](FeatureIndex f) { return all.contains(f); });
-  return map.base == segment.begin && last == segment.end && is_once && is_known && std::isfinite(map.chi2) && !fault(map);
+  return map.base == segment.begin && last == segment.end && is_once && is_known && !fault(map);
 }
 
 }  // namespace mapjoin::store

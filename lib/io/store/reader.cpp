@@ -100,7 +100,8 @@ Expected<Database> store::open_store(const fs::path& path) {
     return bad_input(fmt::format("{}: a mapjoin store of version {}; this mapjoin reads version {}: build it again", file,
                                  header->version, store::kVersion));
   }
-  if (!header->is_alone) return bad_input(fmt::format("{}: damaged store: it asks for a write-ahead log", file));
+  if (!header->is_alone)
+    return bad_input(fmt::format("{}: damaged store: it asks for a write-ahead log; build it again", file));
   return Database::open_read_only(path);
 }
 

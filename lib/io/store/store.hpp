@@ -28,7 +28,7 @@ class StoreWriter {
   /// Begins the store as unfinished_store(path). A store that an interrupted build left there goes on if it holds the same log,
   /// segments, options, portion, share and word on features; otherwise, or if it is damaged, it is begun afresh. For a portion,
   /// the log has all poses and features and some of the factors. kCannotWrite if the file cannot be written, if another
-  /// program's database has that name, or if a prior has a lever.
+  /// program's database has that name, or if a prior has a lever or a factor a loss.
   static Expected<StoreWriter> open(const std::filesystem::path& path, const Log<Dim>& log,
                                     const std::vector<Segment>& segments, const std::string& options,
                                     const Portion& portion = {}, const Share& share = {}, bool features_are_shared = false);

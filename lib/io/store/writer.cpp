@@ -102,6 +102,7 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
     return cannot_write(path, "a store must be a plain file; give it another name");
   }
   if (has_levers(log.graph)) return cannot_write(path, "a store has no place for priors with levers");
+  if (count_losses(log.graph) > 0) return cannot_write(path, "a store has no place for losses of factors");
   bool found_damaged = false;
   const Contents<Dim> contents{log, segments, options, portion, share, features_are_shared};
   auto database = open_with(unfinished_store(path), contents, found_damaged);
@@ -152,6 +153,7 @@ Expected<bool> StoreWriter<Dim>::insert(const LocalMap<Dim>& map) {
 
 template <int Dim>
 Expected<void> StoreWriter<Dim>::finish() {
+  if (!database_) throw std::logic_error("a store is finished twice");
   if (!to_do().empty()) throw std::logic_error("a store is finished before its maps are");
   const fs::path partial = unfinished_store(path_);
   if (auto committed = database_->execute("COMMIT; PRAGMA journal_mode = OFF"); !committed) return committed;

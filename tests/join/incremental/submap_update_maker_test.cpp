@@ -131,6 +131,15 @@ TYPED_TEST(SubmapUpdateMakerTest, ASegmentIsTakenOnceTheNextStepIsThere) {
   EXPECT_EQ(ends, (std::vector<std::uint64_t>{7, 13, 19}));
 }
 
+TYPED_TEST(SubmapUpdateMakerTest, ChecksItsOptionsWhereTheyAreGiven) {
+  using Maker = SubmapUpdateMaker<TypeParam::value>;
+  EXPECT_THROW(Maker({SplitRule::kPoses, -3.0}), std::invalid_argument);
+  EXPECT_THROW(Maker({SplitRule::kAuto, -3.0}), std::invalid_argument);
+  MinimiseOptions solver;
+  solver.max_iterations = -4;
+  EXPECT_THROW(Maker({SplitRule::kPoses, 6.0}, solver), std::invalid_argument);
+}
+
 TYPED_TEST(SubmapUpdateMakerTest, MapsAreOfTenPosesWhereNothingElseIsAskedFor) {
   constexpr int kDim = TestFixture::kDim;
   SubmapUpdateMaker<kDim> maker({});

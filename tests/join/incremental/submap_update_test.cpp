@@ -132,7 +132,8 @@ TYPED_TEST(SubmapUpdateTest, WhatCannotBeJoinedIsSaid) {
   EXPECT_THAT(error([&](auto& u) {
                 u.graph.pose_factors.push_back({99, 99, {}, W});
               }),
-              ::testing::MatchesRegex("here: pose observation [0-9]+ names no pose or feature"));
+              ::testing::MatchesRegex(
+                  "here: pose factor [0-9]+, from pose [0-9]+ to index [-0-9]+, names a pose or feature that is not there"));
   EXPECT_EQ(error([&](auto& u) {
               u.graph.pose_factors.push_back({0, 1, {}, W, Loss::truncated(1.0)});
             }),

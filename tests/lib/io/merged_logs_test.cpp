@@ -191,6 +191,21 @@ TEST(MergedLogs, AreNoCopiesIfAnyNumberDiffers) {
   EXPECT_EQ(message(std::vector{robot, robot}), "") << "of steps alone, which may be alike";
 }
 
+TEST(MergedLogs, CountNoCopyTwiceUnlessAllAreKept) {
+  const auto a = log_of("a", edge(0, 1) + edge(0, 1));
+  EXPECT_THAT(testing::error_of(merged<2>({a, a})), ::testing::HasSubstr("number by number, which would count twice"));
+  EXPECT_THAT(merged<2>({a, a}, {.keep_copies = true})->edges(), SizeIs(4));
+}
+
+TEST(MergedLogs, MustBeSoundAndThere) {
+  const auto a = log_of("a", edge(0, 1));
+  auto broken = a;
+  broken.graph.pose_factors[0].target = 77;
+  EXPECT_EQ(testing::error_of(merged<2>({a, broken})),
+            "a: pose factor 0, from pose 0 to index 77, names a pose or feature that is not there");
+  EXPECT_THROW((void)merged<2>({}), std::invalid_argument);
+}
+
 TEST(MergedLogs, SetsOfMapsAreCopiesToo) {
   const auto message = [](const auto& parts) { return testing::error_of(check_no_copies(parts)); };
   SubmapSet<2> set;

@@ -129,6 +129,18 @@ TYPED_TEST(LogBuilderTest, RefusesStampsOnSomePosesOnly) {
   EXPECT_THAT(this->message(), HasSubstr("only 1 of 2 poses"));
 }
 
+TYPED_TEST(LogBuilderTest, IsLeftEmpty) {
+  this->edge({0, 0}, {0, 1});
+  this->builder.add_stamp({0, 1}, 1000);
+  EXPECT_THAT(this->message(), HasSubstr("only 1 of 2 poses"));
+  this->edge({0, 5}, {0, 6});
+  const auto log = std::move(this->builder).finish();
+  ASSERT_TRUE(log) << log.error().message;
+  EXPECT_EQ(log->poses.size(), 2U);
+  EXPECT_EQ(log->odometry().size(), 1U);
+  EXPECT_EQ(this->message(), "some.log: the log has no poses");
+}
+
 TYPED_TEST(LogBuilderTest, RefusesTwoInitialValuesOfOnePose) {
   this->builder.add_pose({0, 1}, Pose<TestFixture::kDim>{});
   this->builder.add_pose({0, 1}, Pose<TestFixture::kDim>{});

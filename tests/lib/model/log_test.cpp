@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <mapjoin/model/log_builder.hpp>
+#include <stdexcept>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/error_of.hpp>
 #include <utility>
@@ -55,6 +58,13 @@ TYPED_TEST(LogTest, IsInflatedByKind) {
   EXPECT_EQ(log.conventions.inflation, Inflation{});
 }
 
+TYPED_TEST(LogTest, IsInflatedByWhatTheCommandTakes) {
+  auto log = TestFixture::small();
+  for (const double wrong : {0.0, -2.0, 1e7, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(inflate({.odometry = wrong}, log), std::invalid_argument) << wrong;
+  }
+}
+
 TYPED_TEST(LogTest, IsHeldByFixedPosesAndByPriors) {
   auto log = this->small();
   log.graph.pose_factors.pop_back();
@@ -76,7 +86,7 @@ TYPED_TEST(LogTest, ThatIsBuiltHasItsInvariants) {
 }
 
 TYPED_TEST(LogTest, MayNotNameAPoseOrFeatureThatItDoesNotHave) {
-  const std::string why = ", names a pose or feature that the log does not have";
+  const std::string why = ", names a pose or feature that is not there";
   EXPECT_EQ(this->fault_after([](auto& log) { log.graph.pose_factors[2].target = 9; }),
             "robot.g2o: pose factor 2, from pose 0 to index 9" + why);
   EXPECT_EQ(this->fault_after([](auto& log) { log.graph.pose_factors[1].base = -7; }),
@@ -89,6 +99,44 @@ TYPED_TEST(LogTest, MayNotNameAPoseOrFeatureThatItDoesNotHave) {
             "robot.g2o: feature factor 0, from index 3 to feature 5" + why);
   EXPECT_EQ(this->fault_after([](auto& log) { log.graph.fixed[0].pose = 3; }),
             "robot.g2o: index 3 is fixed, but the log has no such pose");
+}
+
+TYPED_TEST(LogTest, NamesEachPoseAndFeatureOnce) {
+  EXPECT_EQ(this->fault_after([](auto& log) { log.poses[1] = log.poses[0]; }), "robot.g2o: it names pose 0 twice");
+  const auto with_feature = [&](std::uint64_t key) {
+    return this->fault_after([&](auto& log) {
+      log.features.push_back({key});
+      log.initial.features.push_back(log.initial.features[0]);
+    });
+  };
+  EXPECT_EQ(with_feature(6), "");
+  EXPECT_EQ(with_feature(5), "robot.g2o: it names feature 5 twice");
+}
+
+TYPED_TEST(LogTest, HasNumbersThatItsBuilderTakes) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto factor = [&](const auto& change) {
+    return this->fault_after([&](auto& log) { change(log.graph.pose_factors[0]); });
+  };
+  const std::string first = "robot.g2o: pose factor 0, from pose 0 to pose 1, ";
+  EXPECT_EQ(factor([&](auto& f) { f.measured.translation[0] = nan; }),
+            first + "has a measurement that is not finite, or no rotation");
+  EXPECT_EQ(factor([&](auto& f) { f.information(0, 0) = nan; }), first + "has an information matrix that is not finite");
+  EXPECT_THAT(factor([&](auto& f) { f.information(0, 1) += 0.5; }),
+              ::testing::StartsWith(first + "has an information matrix that "
+                                            "is not symmetric"));
+  EXPECT_THAT(factor([&](auto& f) { f.information(0, 0) = -5.0; }),
+              ::testing::StartsWith(first + "has an information matrix that is indefinite"));
+  EXPECT_EQ(factor([&](auto& f) { f.lever[0] = 1.0; }), first + "has a lever, which only priors have");
+  EXPECT_EQ(factor([&](auto& f) { f.loss = Loss::dropped(); }), "") << "as searches drop factors";
+  EXPECT_THAT(this->fault_after([&](auto& log) { log.graph.feature_factors[0].measured[1] = nan; }),
+              ::testing::HasSubstr("feature factor 0, from pose 2 to feature 5, has a measurement that is not finite"));
+  EXPECT_EQ(this->fault_after([&](auto& log) { log.graph.fixed[0].value.translation[0] = nan; }),
+            "robot.g2o: pose 0 is fixed at a value that is not finite, or no rotation");
+  EXPECT_EQ(this->fault_after([&](auto& log) { log.initial.poses[1].translation[0] = nan; }),
+            "robot.g2o: pose 1 has a value that is not finite, or no rotation");
+  EXPECT_EQ(this->fault_after([&](auto& log) { log.initial.features[0][0] = nan; }),
+            "robot.g2o: feature 5 has a value that is not finite, or no rotation");
 }
 
 TYPED_TEST(LogTest, HasItsFactorsInOrder) {

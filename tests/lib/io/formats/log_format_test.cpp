@@ -142,6 +142,8 @@ TYPED_TEST(LogFormatTest, TellsWhatHasNoPlace) {
   log.graph.fixed.push_back({0, log.initial.poses[0]});
   log.stamps_ns.resize(log.poses.size());
   EXPECT_THAT(losses(log, LogFormat::kG2o), ElementsAre("time stamps are left out"));
+  log.graph.pose_factors[0].loss = Loss::truncated(1.0);
+  EXPECT_THAT(losses(log, LogFormat::kG2o), ElementsAre("losses of factors are left out", "time stamps are left out"));
   EXPECT_THAT(losses(log, LogFormat::kIsam), Contains("1 prior left out"));
   EXPECT_THAT(losses(log, LogFormat::kToro), Contains("which poses are fixed is left out"));
   EXPECT_EQ(this->again(log, LogFormat::kG2o).graph.fixed.size(), 1u);

@@ -104,6 +104,9 @@ TEST_F(StoreFileTest, NamesTheRowThatIsNotAsItWasWritten) {
               HasSubstr("of records is not as it was written"));
   EXPECT_THAT(error_after("UPDATE info SET value = 'x' WHERE key = 'source'"),
               HasSubstr("key source of info is not as it was written"));
+  EXPECT_THAT(error_after("UPDATE records SET name = CAST(name AS BLOB) WHERE name = 'pose_factors'"),
+              HasSubstr("of records is not as it was written"))
+      << "no array of this text";
 }
 
 TEST_F(StoreFileTest, ACutLosesNothingUnnoticed) {

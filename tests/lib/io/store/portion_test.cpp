@@ -77,7 +77,7 @@ TYPED_TEST(PortionTest, IsOneOfSoMany) {
   const fs::path store = this->build(1, 3);
   for (const char* wrong : {"0/3", "4/3", "2/3x", "2", "2/", "x", "1/1", "-1/3"}) {
     execute_sql(store, fmt::format("UPDATE info SET value = '{}' WHERE key = 'portion'", wrong));
-    seal(store);
+    ASSERT_TRUE(seal(store));
     const auto read = read_store(store);
     ASSERT_FALSE(read) << wrong;
     EXPECT_THAT(read.error().message, HasSubstr("damaged store: info portion makes no sense")) << wrong;

@@ -102,7 +102,7 @@ TYPED_TEST(StoreTest, TheFirstOfManyMapsThatIsDamagedIsNamed) {
   build_store(this->path, maps);
   for (const int segment : {39, 3}) {
     execute_sql(this->path, fmt::format("UPDATE maps SET information = x'00' WHERE segment = {}", segment));
-    seal(this->path);
+    ASSERT_TRUE(seal(this->path));
     for (const std::size_t threads : {1u, 4u}) {
       const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
       const auto read = this->read();
@@ -192,7 +192,7 @@ TYPED_TEST(StoreTest, AShareOfTheMapsIsOneOfSoMany) {
   EXPECT_EQ(this->read()->share, (Share{1, 3}));
   EXPECT_TRUE(this->read()->portion.is_whole());
   execute_sql(this->path, "UPDATE info SET value = '4/3' WHERE key = 'part'");
-  seal(this->path);
+  ASSERT_TRUE(seal(this->path));
   EXPECT_THAT(this->read().error().message, HasSubstr("damaged store: info part makes no sense"));
   execute_sql(this->path, "DELETE FROM info WHERE key = 'part'");
   EXPECT_TRUE(this->read()->share.is_whole());
@@ -209,7 +209,7 @@ TYPED_TEST(StoreTest, SaysThatFeaturesAreSharedWhereTheUserDid) {
   write(false);
   write(true);
   execute_sql(this->path, "UPDATE info SET value = 'own' WHERE key = 'features'");
-  seal(this->path);
+  ASSERT_TRUE(seal(this->path));
   EXPECT_THAT(this->read().error().message, HasSubstr("damaged store: info features makes no sense"));
 }
 
@@ -229,6 +229,19 @@ TYPED_TEST(StoreTest, MapsAreAddedInOrderAndAllOfThem) {
   EXPECT_THROW((void)writer->add(0, wrong), std::invalid_argument);
   EXPECT_THAT(writer->to_do(), ElementsAre(0, 1, 2)) << "nothing was added";
   EXPECT_THROW((void)writer->finish(), std::logic_error);
+  for (std::size_t k = 0; k < 3; ++k) ASSERT_TRUE(writer->add(k, maps.maps[k]));
+  EXPECT_TRUE(writer->finish());
+  EXPECT_THROW((void)writer->finish(), std::logic_error) << "it is";
+}
+
+TYPED_TEST(StoreTest, HasNoPlaceForLosses) {
+  constexpr int kDim = TestFixture::kDim;
+  auto maps = random_stored_maps<kDim>(this->random, 3);
+  maps.log.graph.feature_factors[0].loss = Loss::truncated(1.0);
+  const auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.segments, maps.options);
+  ASSERT_FALSE(writer);
+  EXPECT_THAT(writer.error().message, HasSubstr("a store has no place for losses of factors"));
+  EXPECT_FALSE(fs::exists(this->partial));
 }
 
 }  // namespace
