@@ -205,7 +205,7 @@ TYPED_TEST(RobustIncrementalJoinTest, OfBadClosuresNothingIsAdded) {
   to_itself.graph.pose_factors.push_back({end, end, {}, PoseMatrix<kDim>::Identity(), {}});
   const auto added = joined.add(to_itself);
   ASSERT_FALSE(added);
-  EXPECT_EQ(added.error().message, "update 1: an edge leads from " + to_string(to_itself.poses[end]) + " to itself");
+  EXPECT_TRUE(added.error().message.ends_with("leads from a pose to itself")) << added.error().message;
   auto to_nowhere = updates;
   to_nowhere.back().graph.pose_factors.push_back(
       {0, enter_name(to_nowhere.back().poses, PoseId{7, 7}), {}, PoseMatrix<kDim>::Identity(), {}});

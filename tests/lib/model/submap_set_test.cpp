@@ -124,7 +124,8 @@ TYPED_TEST(SubmapSetTest, NothingIsNamedOrFixedTwice) {
               HasSubstr("local map 1 has pose 0 twice"));
   EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[1].features[4] = s.graph.submaps[1].features[2]; }),
               HasSubstr("local map 2 has feature 2 twice"));
-  EXPECT_THAT(this->error([](auto& s) { s.graph.pose_factors[0].base = 2; }), HasSubstr("an edge leads from pose 2 to itself"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.pose_factors[0].base = 2; }),
+              HasSubstr("from pose 2 to pose 2, leads from a pose to itself"));
   EXPECT_EQ(this->error([](auto& s) { s.graph.fixed.push_back(s.graph.fixed[0]); }), "no error");
   EXPECT_THAT(this->error([](auto& s) {
     s.graph.fixed.push_back(s.graph.fixed[0]);
